@@ -1,0 +1,137 @@
+"""The discrete structure: rigid bodies, contacts between them, facets on the specimen's surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Contacts", "Polygons", "SurfaceFacets", "Tessellation"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Polygons:
+    """Planar convex polygons of different numbers of corners.
+
+    A facet that a notch cuts may consist of several polygons.
+
+    Attributes
+    ----------
+    points : (p, 3) array
+        Corners [m] of all polygons, one polygon after another, in order around it.
+    offsets : (q + 1,) array
+        Corners of polygon ``k`` are ``points[offsets[k]:offsets[k + 1]]``.
+    facet : (q,) array
+        Index of the facet (contact or surface facet) to which each polygon belongs, ascending.
+    """
+
+    points: FloatArray
+    offsets: IntArray
+    facet: IntArray
+
+    def __len__(self) -> int:
+        return len(self.offsets) - 1
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Contacts: common facets of neighbouring bodies (theory section 1).
+
+    Attributes
+    ----------
+    bodies : (m, 2) array
+        Indices ``i < j`` of the two bodies in the tessellation.
+    area : (m,) array
+        Area ``A`` of the facet [m^2].
+    centroid : (m, 3) array
+        Centroid ``c`` of the facet [m].
+    normal : (m, 3) array
+        Unit normal ``n = (x_j - x_i) / L``.
+    length : (m,) array
+        Distance ``L`` of the two nuclei [m].
+    fine : (m,) bool array
+        True where both bodies are fine: the damage law acts there; all others are elastic.
+    polygons : Polygons
+        Shape of the facets; ``polygons.facet`` indexes contacts.
+    """
+
+    bodies: IntArray
+    area: FloatArray
+    centroid: FloatArray
+    normal: FloatArray
+    length: FloatArray
+    fine: BoolArray
+    polygons: Polygons
+
+    def __len__(self) -> int:
+        return len(self.area)
+
+
+@dataclass(frozen=True)
+class SurfaceFacets:
+    """Facets of bodies on the surface of the specimen, walls of notches included.
+
+    Attributes
+    ----------
+    body : (b,) array
+        Index of the body.
+    area : (b,) array
+        Area [m^2].
+    centroid : (b, 3) array
+        Centroid [m].
+    normal : (b, 3) array
+        Outward unit normal.
+    surface : (b,) array
+        Index into ``names``.
+    names : tuple of str
+        Names of the surfaces.
+    polygons : Polygons
+        Shape of the facets; ``polygons.facet`` indexes surface facets.
+    """
+
+    body: IntArray
+    area: FloatArray
+    centroid: FloatArray
+    normal: FloatArray
+    surface: IntArray
+    names: tuple[str, ...]
+    polygons: Polygons
+
+    def __len__(self) -> int:
+        return len(self.area)
+
+
+@dataclass(frozen=True)
+class Tessellation:
+    """Rigid bodies of one discretization of the specimen, with their contacts and surface facets.
+
+    Attributes
+    ----------
+    nucleus : (n,) array
+        Identity of each body's nucleus in the specimen's set of fine nuclei, ascending.
+    x : (n, 3) array
+        Positions of the nuclei [m].
+    fine : (n,) bool array
+        True for bodies in the refined region.
+    volume : (n,) array
+        Volumes [m^3].
+    contacts : Contacts
+        Contacts between bodies.
+    surface : SurfaceFacets
+        Facets on the specimen's surface.
+    """
+
+    nucleus: IntArray
+    x: FloatArray
+    fine: BoolArray
+    volume: FloatArray
+    contacts: Contacts
+    surface: SurfaceFacets
+
+    def __len__(self) -> int:
+        return len(self.x)
