@@ -1,0 +1,56 @@
+"""Fissura breaks concrete on a computer: adaptive discrete models of fracture.
+
+Public names are imported at first use, so that ``import fissura`` stays light.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fissura.api import run
+    from fissura.case import Case, load_case
+    from fissura.errors import InputError, RunStopped
+    from fissura.results import Result
+    from fissura.simulation import Simulation
+
+    __version__: str
+
+__all__ = ["Case", "InputError", "Result", "RunStopped", "Simulation", "__version__", "load_case", "run"]
+
+_HOME = {
+    "Case": "fissura.case",
+    "InputError": "fissura.errors",
+    "Result": "fissura.results",
+    "RunStopped": "fissura.errors",
+    "Simulation": "fissura.simulation",
+    "load_case": "fissura.case",
+    "run": "fissura.api",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name at its first use."""
+    if name == "__version__":
+        value: Any = _version()
+    elif name in _HOME:
+        value = getattr(import_module(_HOME[name]), name)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+def _version() -> str:
+    """Version of the installed package."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("fissura")
+    except PackageNotFoundError:  # run from a source tree
+        return "unknown"

@@ -1,0 +1,149 @@
+"""Running a case from Python."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fissura.case import Case, load_case
+from fissura.check import require_memory
+from fissura.errors import InputError, RunStopped
+
+if TYPE_CHECKING:
+    from fissura.results import Result
+    from fissura.results.recorder import Recorder
+    from fissura.simulation import Simulation, Step
+
+__all__ = ["prepare_folder", "run"]
+
+
+def run(
+    case: Case | str | Path,
+    *,
+    full: bool = False,
+    output: str | Path | None = None,
+    overwrite: bool = False,
+    seed: int | None = None,
+    on_start: Callable[[Simulation], None] | None = None,
+    on_step: Callable[[Step], None] | None = None,
+) -> Result:
+    """Run a case until its control target is reached.
+
+    Parameters
+    ----------
+    case : Case or path
+        Case, or the TOML file that describes it.
+    full : bool, optional
+        Full resolution everywhere from the start instead of adaptive refinement.
+    output : path, optional
+        Folder for the results; None keeps them in memory only.
+    overwrite : bool, optional
+        Whether the folder may hold earlier results, which are replaced.
+    seed : int, optional
+        Replaces the seed of the case.
+    on_start : callable, optional
+        Called with the simulation before its first step.
+    on_step : callable, optional
+        Called with every accepted step, after it was recorded.
+
+    Returns
+    -------
+    Result
+        Curve, summary and snapshots.
+
+    Raises
+    ------
+    InputError
+        If the case, a file it names, or the output folder is wrong; nothing has been computed then.
+    RunStopped
+        If the run cannot go on. Everything up to then is saved; its attribute ``result`` holds it.
+    KeyboardInterrupt
+        If the user interrupts; saved as before, attribute ``result`` as before.
+    """
+    if not isinstance(case, Case):
+        case = load_case(case)
+    if seed is not None:
+        case = with_seed(case, seed)
+    folder = None if output is None else prepare_folder(output, overwrite=overwrite)
+    require_memory(case, full=full)
+
+    from fissura.results.measured import read_measured
+    from fissura.results.recorder import Recorder
+    from fissura.simulation import Simulation
+
+    if case.output.measured is not None:
+        read_measured(case.output.measured)  # the pictures need it at the end: say now if it is wrong
+    simulation = Simulation(case, full=full)
+    if on_start is not None:
+        on_start(simulation)
+    return _record(simulation, Recorder(simulation, folder), on_step)
+
+
+def _record(simulation: Simulation, recorder: Recorder, on_step: Callable[[Step], None] | None) -> Result:
+    """Step to the end, recording; save whatever there is when the run ends early."""
+    number, gauge = 0, 0.0
+    try:
+        for step in simulation.steps():
+            recorder.add(step)
+            number, gauge = step.number, step.gauge
+            if on_step is not None:
+                on_step(step)
+    except (RunStopped, MemoryError) as error:
+        stop = error if isinstance(error, RunStopped) else RunStopped("out of memory", number + 1, gauge)
+        stop.result = recorder.finish("stopped", str(stop))  # type: ignore[attr-defined]
+        raise stop from (None if stop is error else error)
+    except KeyboardInterrupt as error:
+        message = f"interrupted after step {number}"
+        error.result = recorder.finish("interrupted", message)  # type: ignore[attr-defined]
+        raise
+    return recorder.finish("finished")
+
+
+def with_seed(case: Case, seed: int) -> Case:
+    """Return the case with another seed.
+
+    Raises
+    ------
+    InputError
+        If the seed is not a whole number, 0 or larger.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
+        raise InputError("seed", f"{seed!r} is not possible", "a whole number, 0 or larger")
+    return case.model_copy(update={"seed": seed})
+
+
+def prepare_folder(folder: str | Path, *, overwrite: bool) -> Path:
+    """Make sure that results can be written into a folder, before anything is computed.
+
+    Parameters
+    ----------
+    folder : path
+        Made if it does not exist.
+    overwrite : bool
+        Whether it may hold files already. They are left alone here.
+
+    Returns
+    -------
+    Path
+        The folder.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made or written to, or is not empty and must not be overwritten.
+    """
+    folder = Path(folder)
+    try:
+        if folder.is_dir() and any(folder.iterdir()) and not overwrite:
+            raise InputError("output", f"{folder} is not empty", "a new or empty folder, or --overwrite")
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except FileExistsError:
+        raise InputError("output", f"{folder} is a file", "a folder") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError("output", f"cannot write in {folder}: {reason}", "a writable folder") from None
+    return folder

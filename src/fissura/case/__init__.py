@@ -1,0 +1,38 @@
+"""Cases: what to break, how, and of what material, read from a TOML file."""
+
+from fissura.case.load import case_from_dict, load_case
+from fissura.case.model import (
+    Adaptivity,
+    BallRegion,
+    BoxRegion,
+    Case,
+    Control,
+    Discretization,
+    Gauge,
+    Load,
+    Material,
+    Notch,
+    Output,
+    Patch,
+    Specimen,
+    Support,
+)
+
+__all__ = [
+    "Adaptivity",
+    "BallRegion",
+    "BoxRegion",
+    "Case",
+    "Control",
+    "Discretization",
+    "Gauge",
+    "Load",
+    "Material",
+    "Notch",
+    "Output",
+    "Patch",
+    "Specimen",
+    "Support",
+    "case_from_dict",
+    "load_case",
+]

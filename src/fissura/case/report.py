@@ -1,0 +1,148 @@
+"""One message for the user out of pydantic's list of errors."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from fissura.case.units import show
+from fissura.errors import InputError
+
+__all__ = ["input_error"]
+
+#: Errors of defaults that only wait for another key, which is wrong itself.
+WAITING = ("waiting", "default_factory_not_called")
+
+Location = tuple[int | str, ...]
+
+
+def input_error(error: ValidationError, model: type[BaseModel], data: Mapping[str, Any]) -> InputError:
+    """Turn the errors of a validation into one that names the key as it stands in the case file.
+
+    Keys that are not known come first: a misspelt key is also a missing one.
+
+    Parameters
+    ----------
+    error : ValidationError
+        What pydantic found.
+    model : type of BaseModel
+        Model that was validated.
+    data : mapping
+        What the case file says.
+
+    Returns
+    -------
+    InputError
+        The first problem; it says how many more there are, and where.
+    """
+    details = [item for item in error.errors(include_url=False) if item["type"] not in WAITING]
+    details.sort(key=lambda item: item["type"] != "extra_forbidden")
+    found: dict[str, tuple[str, str]] = {}
+    for item in details:
+        key, problem, allowed = _describe(item, model, data)
+        found.setdefault(key, (problem, allowed))
+    (key, (problem, allowed)), *others = found.items()
+    if others:
+        names = ", ".join(name for name, _ in others[:3]) + (", ..." if len(others) > 3 else "")
+        problem += f" [and {len(others)} more problem{'s' if len(others) > 1 else ''}: {names}]"
+    return InputError(key, problem, allowed)
+
+
+def _describe(item: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any]) -> tuple[str, str, str]:
+    """Key, problem and what is allowed."""
+    context: dict[str, Any] = item.get("ctx", {})
+    inner = tuple(part for part in str(context.get("key", "")).split(".") if part)
+    location = _as_written((*item["loc"], *inner), data)
+    key = _dotted(location)
+    value = item["input"]
+    kind = item["type"]
+    if kind == "fissura":
+        return key, context["problem"], context["allowed"]
+    if kind == "missing":
+        return key, "missing", _description(model, location)
+    if kind == "extra_forbidden":
+        known = _known_keys(model, location[:-1], data)
+        near = difflib.get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
+        near = near or [name for name in known if name.lower() == str(location[-1]).lower()]
+        hint = f"; did you mean {_dotted((*location[:-1], near[0]))}?" if near else ""
+        return key, f"unknown key{hint}", ", ".join(known)
+    if kind == "literal_error":
+        return key, f"{show(value)} is not known", str(context["expected"]).replace("'", '"')
+    if kind == "union_tag_not_found":
+        return f"{key}.type", "missing", '"ball" or "box"'
+    if kind == "union_tag_invalid":
+        return f"{key}.type", f"{show(context['tag'])} is not known", '"ball" or "box"'
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return key, f"{show(value)} is not a table", _description(model, location) or "a table"
+    if kind in ("tuple_type", "list_type"):
+        return key, f"{show(value)} is not a list", "a list of tables"
+    if kind == "string_type":
+        return key, f"{show(value)} is not text", "text in quotes"
+    return key, f"{show(value)} is wrong: {item['msg']}", ""
+
+
+def _as_written(location: Location, data: Any) -> Location:
+    """Drop what the file does not say: the index of a single table, the tag of a union."""
+    written: list[int | str] = []
+    for position, part in enumerate(location):
+        last = position == len(location) - 1
+        if isinstance(data, Mapping):
+            if isinstance(part, int) or (part not in data and not last and data.get("type") == part):
+                continue
+            data = data.get(part)
+        elif isinstance(data, (list, tuple)) and isinstance(part, int) and part < len(data):
+            data = data[part]
+        else:
+            data = None
+        written.append(part)
+    return tuple(written)
+
+
+def _dotted(location: Location) -> str:
+    """Write a location as in a case file: ``supports[1].at``."""
+    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
+    return text.removeprefix(".") or "case"
+
+
+def _models(model: type[BaseModel], location: Location) -> list[type[BaseModel]]:
+    """Models that may stand at a location."""
+    models = [model]
+    for part in location:
+        if isinstance(part, str):
+            fields = [item.model_fields[part] for item in models if part in item.model_fields]
+            models = [found for field in fields for found in _inside(field.annotation)]
+    return models
+
+
+def _inside(annotation: Any) -> list[type[BaseModel]]:
+    """Models named in a type annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [found for part in get_args(annotation) for found in _inside(part)]
+
+
+def _known_keys(model: type[BaseModel], location: Location, data: Mapping[str, Any]) -> list[str]:
+    """Keys that may stand in the table at a location."""
+    table: Any = data
+    for part in location:
+        table = table[part]
+    models = _models(model, location)
+    chosen = [
+        item
+        for item in models
+        if len(models) == 1 or table.get("type") in get_args(item.model_fields["type"].annotation)
+    ]
+    return [name for item in chosen or models for name in item.model_fields]
+
+
+def _description(model: type[BaseModel], location: Location) -> str:
+    """What the field at a location asks for, in words."""
+    *outer, name = location
+    for item in _models(model, tuple(outer)):
+        if isinstance(name, str) and name in item.model_fields:
+            return item.model_fields[name].description or ""
+    return ""

@@ -1,0 +1,150 @@
+"""Quantities with units: text such as ``"50 mm"`` turned into SI numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pint
+
+__all__ = ["ENERGY_PER_AREA", "LENGTH", "NUMBER", "STRESS", "Dimension", "show", "to_si"]
+
+_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+_UNIT = re.compile(r"[A-Za-zµμ(][\w µμ/*^·²³().+-]*")
+_LONGEST = 80
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A physical dimension that a key of the case file may ask for.
+
+    Attributes
+    ----------
+    name : str
+        Name with its article, ``"a length"``.
+    unit : str
+        SI unit of the values after validation; empty for pure numbers.
+    example : str
+        Text that a user may write.
+    """
+
+    name: str
+    unit: str
+    example: str
+
+    @property
+    def allowed(self) -> str:
+        """What a user may write, in words."""
+        if not self.unit:
+            return f"{self.name} such as {self.example}"
+        return f'{self.name} such as "{self.example}", or a plain number in {self.unit}'
+
+
+LENGTH = Dimension("a length", "m", "50 mm")
+STRESS = Dimension("a stress", "Pa", "2.2 MPa")
+ENERGY_PER_AREA = Dimension("an energy per area", "J/m^2", "35 J/m^2")
+NUMBER = Dimension("a number", "", "0.2")
+
+
+@cache
+def _registry() -> pint.UnitRegistry[float]:
+    """Unit registry of pint, built at first use: importing pint takes longer than reading a case."""
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def show(value: object) -> str:
+    """Return a value as it looks in a case file, shortened to one readable line."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    text = f'"{value}"' if isinstance(value, str) else str(value)
+    text = " ".join(text.split())
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def to_si(value: Any, dimension: Dimension) -> float:
+    """Turn a number or a text with a unit into an SI number.
+
+    Parameters
+    ----------
+    value : object
+        Number (SI), or text of a number and a unit.
+    dimension : Dimension
+        What is due.
+
+    Returns
+    -------
+    float
+        Finite value in ``dimension.unit``.
+
+    Raises
+    ------
+    ValueError
+        If the value is no number, has no unit, an unknown unit or a wrong dimension, or is not finite.
+
+    Examples
+    --------
+    >>> to_si("50 mm", LENGTH)
+    0.05
+    >>> to_si(0.05, LENGTH)
+    0.05
+    """
+    if isinstance(value, str):
+        number = _parse(value, dimension)
+    elif isinstance(value, (int, float)) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except OverflowError:
+            raise ValueError(f"{show(value)} is too large") from None
+    else:
+        raise ValueError(f"{show(value)} is not {dimension.name}")
+    if not math.isfinite(number):
+        raise ValueError(f"{show(value)} is not finite")
+    return number
+
+
+def _parse(text: str, dimension: Dimension) -> float:
+    """Parse number and unit, check the dimension, convert to SI."""
+    shown = show(text)
+    if not dimension.unit:
+        raise ValueError(f"{shown} is text, not a plain number")
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        if re.fullmatch(r"\s*[+-]?(nan|inf(inity)?)\b.*", text, re.IGNORECASE | re.DOTALL):
+            raise ValueError(f"{shown} is not finite")
+        raise ValueError(f"{shown} is not a number with a unit")
+    number, unit = float(match[1]), match[2]
+    if not unit:
+        raise ValueError(f"{shown} has no unit")
+    if unit[0] in ",0123456789":
+        raise ValueError(f"{shown} is not a number with a unit: write decimals with a point, digits unspaced")
+    scale = _scale(unit, dimension.unit)
+    if scale is None:
+        raise ValueError(f'{shown} has a unit that is not known: "{unit}"')
+    if math.isnan(scale):
+        raise ValueError(f'{shown} is not {dimension.name}: "{unit}" measures something else')
+    parts = round(1 / scale) if 0 < scale < 1 else 0
+    if parts and math.isclose(parts * scale, 1.0, rel_tol=1e-14):
+        return number / parts  # 5 um is 5e-06, not 4.9999999999999996e-06
+    return number * scale
+
+
+@cache
+def _scale(unit: str, due: str) -> float | None:
+    """SI value of one unit; nan when its dimension is wrong, None when it is not known."""
+    registry = _registry()
+    if _UNIT.fullmatch(unit) is None:
+        return None
+    for text in (unit, re.sub(r"(?<=[A-Za-zµμ])(?=\d)", "^", unit)):  # second try: J/m2
+        try:
+            parsed = registry.parse_units(text)
+            right = parsed.dimensionality == registry.parse_units(due).dimensionality
+            return float(registry.Quantity(1.0, parsed).to(due).magnitude) if right else math.nan
+        except Exception:  # pint raises whatever its tokenizer meets: the user needs one message
+            continue
+    return None

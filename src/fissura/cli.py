@@ -1,0 +1,245 @@
+"""The command ``fissura``."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from fissura.errors import FissuraError, InputError, RunStopped
+
+__all__ = ["app", "main"]
+
+BAD_INPUT, STOPPED, NOT_WRITTEN, INTERRUPTED = 2, 3, 4, 130
+
+app = typer.Typer(
+    help="Breaks concrete on a computer: adaptive discrete models of fracture.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+CaseArgument = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)]
+
+
+def main() -> None:
+    """Run the command line; errors of the user end it with one message, never with a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    app()
+
+
+def _say(message: str) -> None:
+    """Write a message to the user on standard error, unwrapped."""
+    typer.echo(message, err=True)
+
+
+@contextmanager
+def _errors() -> Iterator[None]:
+    """Turn the errors a user can meet into a message and an exit status."""
+    try:
+        yield
+    except RunStopped as error:
+        _say(f"error: {error}{_saved(error)}")
+        raise typer.Exit(STOPPED) from None
+    except FissuraError as error:
+        _say(f"error: {error}")
+        raise typer.Exit(BAD_INPUT) from None
+    except KeyboardInterrupt as error:
+        _say(f"interrupted{_saved(error)}")
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _saved(error: BaseException) -> str:
+    """What was saved of a run that ended early."""
+    result = getattr(error, "result", None)
+    if result is None or result.folder is None:
+        return "; nothing was saved"
+    steps = len(result.curve["step"])
+    return f"; the {steps} steps before it are saved in {result.folder}: {_names(result.folder)}"
+
+
+def _names(folder: Path) -> str:
+    """Names of the files in a folder."""
+    return ", ".join(sorted(path.name for path in folder.iterdir() if path.is_file()))
+
+
+def _print_table(rows: Sequence[tuple[str, str]], title: str = "") -> None:
+    """Print rows of name and value: a table in a terminal, plain lines elsewhere."""
+    console = Console()
+    if not console.is_terminal:
+        width = max(len(name) for name, _ in rows)
+        for name, value in rows:
+            typer.echo(f"{name:<{width}}  {value}")
+        return
+    table = Table(title=title or None, show_header=False)
+    for name, value in rows:
+        table.add_row(Text(name, style="bold"), Text(value))
+    console.print(table)
+
+
+class _Warnings(logging.Handler):
+    """Shows what Fissura's modules log as warnings, each once."""
+
+    def __init__(self, console: Console) -> None:
+        super().__init__(logging.WARNING)
+        self.console = console
+        self.shown: set[str] = set()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.show(record.getMessage())
+
+    def show(self, message: str) -> None:
+        if message not in self.shown:
+            self.shown.add(message)
+            self.console.print(f"warning: {message}", markup=False, highlight=False, soft_wrap=True)
+
+
+@contextmanager
+def _warnings(console: Console) -> Iterator[_Warnings]:
+    """Show warnings of the package's loggers on a console."""
+    logger, handler = logging.getLogger("fissura"), _Warnings(console)
+    logger.addHandler(handler)
+    try:
+        yield handler
+    finally:
+        logger.removeHandler(handler)
+
+
+@app.command()
+def run(
+    case: CaseArgument,
+    full: Annotated[bool, typer.Option("--full", help="Full resolution everywhere, no adaptivity.")] = False,
+    output: Annotated[
+        Path | None, typer.Option(help="Folder for the results.", show_default="results/NAME")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace earlier results there.")] = False,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed, instead of that of the case.")] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print errors and warnings only.")] = False,
+) -> None:
+    """Run a case and write its results."""
+    from fissura.interrupts import interruptible
+
+    with _errors(), interruptible(_say):
+        from fissura import api
+        from fissura.case import load_case
+        from fissura.progress import RunProgress
+
+        loaded = load_case(case)
+        folder = output if output is not None else Path("results") / (loaded.name + ("_full" if full else ""))
+        console = Console(stderr=True)
+        progress = None if quiet else RunProgress(console, loaded.control.target)
+        try:
+            with _warnings(console) as warnings, progress or nullcontext():
+                result = api.run(
+                    loaded,
+                    full=full,
+                    output=folder,
+                    overwrite=overwrite,
+                    seed=seed,
+                    on_start=progress.start if progress else None,
+                    on_step=progress.step if progress else None,
+                )
+                for message in result.summary["warnings"]:
+                    warnings.show(message)
+        except OSError as error:
+            where = error.filename or f"a file in {folder}"
+            kept = f"kept in {folder}: {_names(folder)}" if folder.is_dir() else "nothing was kept"
+            _say(f"error: {where}: cannot be written: {error.strerror or error}; {kept}")
+            raise typer.Exit(NOT_WRITTEN) from None
+        if not quiet:
+            _print_table([*result.table(), ("results", str(folder)), ("files", _names(folder))])
+
+
+@app.command()
+def check(case: CaseArgument) -> None:
+    """Validate a case and say what would be run, without running it."""
+    with _errors():
+        from fissura.case import load_case
+        from fissura.check import report
+
+        with _warnings(Console(stderr=True)) as warnings:
+            found = report(load_case(case))
+            _print_table(found.table())
+            for message in found.warnings:
+                warnings.show(message)
+
+
+@app.command()
+def new(
+    template: Annotated[str | None, typer.Argument(help="Name of a template.", show_default=False)] = None,
+    list_: Annotated[bool, typer.Option("--list", help="List the templates.")] = False,
+) -> None:
+    """Print a commented case to start from: fissura new beam > case.toml."""
+    with _errors():
+        folder = files("fissura") / "templates"
+        known = {
+            item.name.removesuffix(".toml"): item for item in folder.iterdir() if item.name.endswith(".toml")
+        }
+        if list_:
+            for name in sorted(known):
+                first = known[name].read_text(encoding="utf-8").splitlines()[0]
+                typer.echo(f"{name:<10} {first.removeprefix('#').strip()}")
+        elif template not in known:
+            problem = f"{template!r} is not known" if template else "missing"
+            raise InputError("template", problem, ", ".join(sorted(known)))
+        else:
+            typer.echo(known[template].read_text(encoding="utf-8"), nl=False)
+
+
+@app.command()
+def compare(
+    a: Annotated[Path, typer.Argument(metavar="A", help="Result folder.", show_default=False)],
+    b: Annotated[Path, typer.Argument(metavar="B", help="Result folder: the reference.", show_default=False)],
+    plot: Annotated[
+        Path | None, typer.Option(help="File for the picture.", show_default="A/compare.png")
+    ] = None,
+) -> None:
+    """Compare two runs: a table of differences, and a picture of both curves."""
+    with _errors():
+        from fissura.results.compare import compare as compare_folders
+
+        comparison = compare_folders(a, b)
+        _print_table(comparison.table(), title=f"{a} against {b}")
+        picture = plot if plot is not None else a / "compare.png"
+        try:
+            comparison.plot(picture)
+        except OSError as error:
+            _say(f"error: {picture}: cannot be written: {error.strerror or error}")
+            raise typer.Exit(NOT_WRITTEN) from None
+        except ValueError as error:  # matplotlib does not know the file's type
+            raise InputError(
+                "--plot", f"{picture}: {error}", "a name that ends in .png, .pdf or .svg"
+            ) from None
+        typer.echo(f"picture: {picture}")
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from fissura import __version__
+
+        typer.echo(f"fissura {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _top(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None:
+    pass
+
+
+if __name__ == "__main__":
+    main()

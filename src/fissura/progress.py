@@ -1,0 +1,133 @@
+"""Live progress of a run: a moving line in a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn
+
+from fissura.results.quantities import force, length
+
+if TYPE_CHECKING:
+    from fissura.simulation import Simulation, Step
+
+__all__ = ["RunProgress", "duration"]
+
+EVERY_SECONDS = 5.0
+EVERY_FRACTION = 0.05
+
+
+def duration(seconds: float) -> str:
+    """Write a time as ``12 s``, ``3:20 min`` or ``2:03 h``."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60}:{whole % 60:02d} min"
+    return f"{whole // 3600}:{whole // 60 % 60:02d} h"
+
+
+class RunProgress:
+    """Shows the steps of a run while it goes on.
+
+    Parameters
+    ----------
+    console : Console
+        Where to write; a moving line if it is a terminal.
+    target : float
+        Value of the controlled quantity [m] at which the run ends.
+    """
+
+    def __init__(self, console: Console, target: float) -> None:
+        self._console = console
+        self._target = target
+        self._start = time.monotonic()
+        self._recent: deque[tuple[float, float]] = deque([(self._start, 0.0)], maxlen=11)
+        self._refinements = 0
+        self._shown = (self._start, 0.0)
+        self._bar: Progress | None = None
+        self._task = TaskID(0)
+        if console.is_terminal:
+            self._bar = Progress(
+                BarColumn(20),
+                TextColumn("{task.percentage:3.0f} %"),
+                TextColumn("{task.description}", markup=False),
+                console=console,
+                transient=True,
+            )
+            self._task = self._bar.add_task("building the specimen", total=1.0)
+
+    def __enter__(self) -> Self:
+        if self._bar is not None:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def start(self, simulation: Simulation) -> None:
+        """Say what is about to run."""
+        now = time.monotonic()
+        self._recent.clear()
+        self._recent.append((now, 0.0))
+        kind = (
+            "full resolution"
+            if simulation.full
+            else f"adaptive, full resolution has {simulation.bodies_full}"
+        )
+        self._print(
+            f"{simulation.case.name}: {simulation.bodies_start} bodies ({kind}), "
+            f"built in {duration(now - self._start)}"
+        )
+        if self._bar is not None:
+            self._bar.update(self._task, description="first step")
+
+    def step(self, step: Step) -> None:
+        """Show an accepted step."""
+        now = time.monotonic()
+        self._recent.append((now, step.gauge))
+        self._refinements += step.refinements
+        text = self._line(step, now)
+        if self._bar is not None:
+            self._bar.update(self._task, description=text, completed=self._fraction(step.gauge))
+            if step.refinements:
+                self._print(f"step {step.number}: refined {step.refinements} times, {step.bodies} bodies")
+            return
+        seconds, gauge = now - self._shown[0], step.gauge - self._shown[1]
+        if step.refinements or seconds >= EVERY_SECONDS or gauge >= EVERY_FRACTION * self._target:
+            self._shown = (now, step.gauge)
+            self._print(f"{100 * self._fraction(step.gauge):3.0f} %  {text}")
+
+    def _line(self, step: Step, now: float) -> str:
+        parts = [
+            f"step {step.number}",
+            f"gauge {length(step.gauge)}",
+            f"load {force(step.load)}",
+            f"{step.bodies} bodies",
+            f"{self._refinements} refinements",
+            f"{step.iterations} iterations",
+            f"{duration(now - self._start)} elapsed",
+        ]
+        left = self._left(step.gauge)
+        return ", ".join(parts if left is None else [*parts, f"about {duration(left)} left"])
+
+    def _fraction(self, gauge: float) -> float:
+        return min(max(gauge / self._target, 0.0), 1.0)
+
+    def _left(self, gauge: float) -> float | None:
+        """Time [s] to the target at the pace of the last steps; None when there is no pace yet."""
+        then, before = self._recent[0]
+        now, _ = self._recent[-1]
+        if gauge <= before:
+            return None
+        return max(self._target - gauge, 0.0) * (now - then) / (gauge - before)
+
+    def _print(self, text: str) -> None:
+        self._console.print(text, markup=False, highlight=False, soft_wrap=True)

@@ -1,0 +1,213 @@
+"""Pictures of load-gauge curves: one run, or two compared."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from fissura.results import quantities as text
+from fissura.results.measured import read_measured
+from fissura.results.result import Result
+
+if TYPE_CHECKING:
+    from fissura.results.compare import Comparison
+
+__all__ = ["headline", "plot_comparison", "plot_curve", "tidy"]
+
+FloatArray = NDArray[np.float64]
+
+BLUE, ORANGE, GREY, INK = "#1f4e79", "#d1641b", "#c9ccd1", "#30343b"
+DPI = 160
+
+
+def plot_curve(result: Result, path: Path) -> None:
+    """Draw load over gauge: steps, peak, refinements, and the measured band if the case names one.
+
+    Parameters
+    ----------
+    result : Result
+        A run with at least one step.
+    path : Path
+        File to write; its ending decides the format.
+
+    Raises
+    ------
+    InputError
+        The measured band cannot be read.
+    """
+    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
+    axes = figure.add_subplot()
+    gauge, load = result.gauge, result.load_values
+    x_scale, x_unit = _gauge_unit(float(gauge[-1]))
+    y_scale, y_unit = _load_unit(float(np.abs(load).max()))
+    if result.case.output.measured is not None:
+        band = read_measured(result.case.output.measured)
+        axes.fill_between(
+            band.gauge * x_scale,
+            band.lower * y_scale,
+            band.upper * y_scale,
+            color=GREY,
+            alpha=0.75,
+            linewidth=0,
+            label="measured",
+            zorder=1,
+        )
+    axes.plot(
+        np.append(0.0, gauge) * x_scale,
+        np.append(0.0, load) * y_scale,
+        color=BLUE,
+        linewidth=1.6,
+        marker="o",
+        markersize=2.4,
+        label="computed steps",
+        zorder=3,
+    )
+    refined = gauge[result.curve["refinements"] > 0]
+    if len(refined):
+        axes.vlines(
+            refined * x_scale,
+            0.0,
+            0.035,
+            transform=axes.get_xaxis_transform(),
+            color=ORANGE,
+            linewidth=1.2,
+            label="refinement",
+            zorder=2,
+        )
+    axes.set_xlim(0.0, 1.02 * gauge[-1] * x_scale)
+    # Headroom for the note at the peak; the part of the band beyond the run counts, too, where it shows.
+    top = max(float(load.max()) * y_scale, 0.0)
+    if result.case.output.measured is not None:
+        seen = band.gauge <= 1.02 * gauge[-1]
+        top = max(top, float(np.max(band.upper[seen], initial=0.0)) * y_scale)
+    axes.set_ylim(min(0.0, 1.08 * float(load.min()) * y_scale), 1.16 * top if top > 0 else None)
+    _note_peak(axes, float(gauge[load.argmax()]), float(load.max()), x_scale, y_scale)
+    tidy(axes)
+    axes.set_xlabel(f"{_gauge_name(result)} [{x_unit}]")
+    axes.set_ylabel(f"load [{y_unit}]")
+    headline(axes, result.case.name, _kind(result))
+    _legend(axes, gauge, load)
+    figure.savefig(path, dpi=DPI)
+
+
+def plot_comparison(comparison: Comparison, path: Path) -> None:
+    """Draw two curves, and below them the difference of their loads as per cent of the reference's peak."""
+    figure = Figure(figsize=(7.2, 5.6), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    a, b, gauge = comparison.a, comparison.b, comparison.gauge
+    x_scale, x_unit = _gauge_unit(max(float(a.gauge[-1]), float(b.gauge[-1])))
+    y_scale, y_unit = _load_unit(float(comparison.load_b.max()))
+    for run, colour, style, width in ((b, GREY, "-", 3.6), (a, BLUE, "-", 1.4)):
+        upper.plot(
+            np.append(0.0, run.gauge) * x_scale,
+            np.append(0.0, run.load_values) * y_scale,
+            style,
+            color=colour,
+            linewidth=width,
+            label=f"{'A' if run is a else 'B'}: {_kind(run)}",
+        )
+    reference = comparison.load_b.max()
+    share = 100 * (comparison.load_a - comparison.load_b) / reference if reference else 0 * gauge
+    lower.axhline(0.0, color=INK, linewidth=0.8)
+    lower.fill_between(gauge * x_scale, share, color=BLUE, alpha=0.25, linewidth=0)
+    lower.plot(gauge * x_scale, share, color=BLUE, linewidth=1.2)
+    limit = max(1.25 * float(np.abs(share).max()), 0.1)
+    lower.set_ylim(-limit, limit)
+    lower.set_ylabel("A − B\n[% of peak]")
+    lower.set_xlabel(f"{_gauge_name(b)} [{x_unit}]")
+    lower.set_xlim(left=0.0)
+    upper.set_ylabel(f"load [{y_unit}]")
+    least = min(0.0, float(a.load_values.min()), float(b.load_values.min())) * y_scale
+    upper.set_ylim(bottom=1.08 * least)
+    headline(
+        upper,
+        f"{a.case.name} against {b.case.name}" if a.case.name != b.case.name else a.case.name,
+        f"largest difference {text.per_cent(comparison.max_load_difference)} of the peak load",
+    )
+    for axes in (upper, lower):
+        tidy(axes)
+    _legend(upper, b.gauge, b.load_values)
+    figure.align_ylabels()
+    figure.savefig(path, dpi=DPI)
+
+
+def headline(axes: Axes, name: str, note: str) -> None:
+    """Name of the picture in bold, and a note below it."""
+    axes.set_title(name, loc="left", fontsize=11, fontweight="bold", color=INK, pad=19)
+    axes.annotate(
+        note,
+        (0, 1),
+        xytext=(0, 5),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        fontsize=9,
+        color=INK,
+    )
+
+
+def tidy(axes: Axes) -> None:
+    """Style that all pictures share: no box, faint grid, small ink-coloured labels."""
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    for side in ("left", "bottom"):
+        axes.spines[side].set_color(INK)
+    axes.grid(color="#e8eaed", linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.tick_params(colors=INK, labelsize=9)
+    axes.xaxis.label.set_color(INK)
+    axes.yaxis.label.set_color(INK)
+
+
+def _note_peak(axes: Axes, gauge: float, load: float, x_scale: float, y_scale: float) -> None:
+    """Mark the peak; the note lies on the side where there is more room."""
+    x, y = gauge * x_scale, load * y_scale
+    right = x < 0.6 * axes.get_xlim()[1]
+    axes.plot(
+        x, y, marker="o", markersize=6.5, color="white", markeredgecolor=BLUE, markeredgewidth=1.6, zorder=4
+    )
+    axes.annotate(
+        f"peak {text.force(load)} at {text.length(gauge)}",
+        (x, y),
+        xytext=(9 if right else -9, 7),
+        textcoords="offset points",
+        ha="left" if right else "right",
+        va="bottom",
+        fontsize=9,
+        color=INK,
+        zorder=5,
+    )
+
+
+def _legend(axes: Axes, gauge: FloatArray, load: FloatArray) -> None:
+    """Legend in the corner that the curve leaves free: below a rising curve, above a falling one."""
+    falls = load[-1] < 0.6 * load.max()
+    anchor: dict[str, Any] = (
+        {"loc": "upper right", "bbox_to_anchor": (1.0, 0.9)}
+        if falls and gauge[load.argmax()] < 0.5 * gauge[-1]
+        else {"loc": "lower right", "bbox_to_anchor": (1.0, 0.06)}
+    )
+    axes.legend(fontsize=9, labelcolor=INK, edgecolor="none", framealpha=0.85, **anchor)
+
+
+def _kind(result: Result) -> str:
+    bodies = text.count(float(result.curve["bodies"][-1]))
+    if result.full:
+        return f"full resolution, {bodies} bodies"
+    return f"adaptive, {bodies} of {text.count(float(result.summary['bodies_full']))} bodies"
+
+
+def _gauge_name(result: Result) -> str:
+    return "gauge opening" if result.case.control.type == "gauge" else "prescribed displacement"
+
+
+def _gauge_unit(largest: float) -> tuple[float, str]:
+    return (1e6, "µm") if largest < 1e-3 else (1e3, "mm")
+
+
+def _load_unit(largest: float) -> tuple[float, str]:
+    return (1.0, "N") if largest < 1e3 else (1e-3, "kN") if largest < 1e6 else (1e-6, "MN")

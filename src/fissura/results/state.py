@@ -1,0 +1,106 @@
+"""The last converged state as ``state_last.npz``, to be looked at again without running."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fissura.errors import InputError
+from fissura.results.summary import write_atomically
+from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
+
+if TYPE_CHECKING:
+    from fissura.simulation import Snapshot, Step
+
+__all__ = ["FORMAT", "FORMAT_VERSION", "read_state", "write_state"]
+
+FORMAT = "fissura-state"
+FORMAT_VERSION = 1
+
+FIELDS = ("displacement", "stress", "criterion", "strain", "traction", "tangents", "damage", "opening")
+BODIES = ("nucleus", "x", "fine", "volume")
+CONTACTS = ("bodies", "area", "centroid", "normal", "length", "fine")
+SURFACE = ("body", "area", "centroid", "normal", "surface", "names")
+POLYGONS = ("points", "offsets", "facet")
+
+
+def write_state(path: Path, step: Step) -> None:
+    """Write the state of a step.
+
+    The archive holds ``format``, ``format_version``, ``step``, ``gauge`` [m], ``load`` [N], the fields of
+    `Snapshot` under their names, and the tessellation as ``bodies.*``, ``contacts.*``,
+    ``contacts.polygons.*``, ``surface.*`` and ``surface.polygons.*``.
+    """
+    snapshot = step.snapshot
+    tessellation = snapshot.tessellation
+    arrays: dict[str, Any] = {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "step": step.number,
+        "gauge": step.gauge,
+        "load": step.load,
+    }
+    for prefix, owner, names in (
+        ("", snapshot, FIELDS),
+        ("bodies.", tessellation, BODIES),
+        ("contacts.", tessellation.contacts, CONTACTS),
+        ("contacts.polygons.", tessellation.contacts.polygons, POLYGONS),
+        ("surface.", tessellation.surface, SURFACE),
+        ("surface.polygons.", tessellation.surface.polygons, POLYGONS),
+    ):
+        arrays.update({prefix + name: np.asarray(getattr(owner, name)) for name in names})
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, **arrays)
+    write_atomically(path, buffer.getvalue())
+
+
+def read_state(path: str | Path) -> tuple[int, Snapshot]:
+    """Read a state that `write_state` wrote.
+
+    Returns
+    -------
+    step : int
+        Number of the step.
+    snapshot : Snapshot
+        Its state.
+
+    Raises
+    ------
+    InputError
+        The file is missing, is something else, or is newer than this version of Fissura.
+    """
+    from fissura.simulation import Snapshot
+
+    key, allowed = str(path), f"a {FORMAT} file of version 1 to {FORMAT_VERSION}"
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except (OSError, ValueError, EOFError) as error:
+        raise InputError(key, "cannot be read", allowed) from error
+    except Exception as error:  # zipfile and zlib raise many kinds for damaged archives
+        raise InputError(key, f"is damaged ({error})", allowed) from error
+    if str(arrays.get("format")) != FORMAT or int(arrays.get("format_version", 0)) > FORMAT_VERSION:
+        raise InputError(key, f"is of version {arrays.get('format_version', 'unknown')}", allowed)
+    try:
+        tessellation = Tessellation(
+            **_part(arrays, "bodies.", BODIES),
+            contacts=Contacts(
+                **_part(arrays, "contacts.", CONTACTS),
+                polygons=Polygons(**_part(arrays, "contacts.polygons.", POLYGONS)),
+            ),
+            surface=SurfaceFacets(
+                **_part(arrays, "surface.", SURFACE[:-1]),
+                names=tuple(str(name) for name in arrays["surface.names"]),
+                polygons=Polygons(**_part(arrays, "surface.polygons.", POLYGONS)),
+            ),
+        )
+        return int(arrays["step"]), Snapshot(tessellation=tessellation, **_part(arrays, "", FIELDS))
+    except KeyError as error:
+        raise InputError(key, f"lacks the array {error}", allowed) from None
+
+
+def _part(arrays: dict[str, Any], prefix: str, names: tuple[str, ...]) -> dict[str, Any]:
+    return {name: arrays[prefix + name] for name in names}

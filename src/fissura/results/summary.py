@@ -1,0 +1,189 @@
+"""The numbers that describe a run in short, as ``summary.json``."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import platform
+import sys
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fissura.errors import InputError
+from fissura.results.curve import Curve
+from fissura.results.quantities import length
+
+if TYPE_CHECKING:
+    from fissura.simulation import Simulation
+
+__all__ = [
+    "FORMAT_VERSION",
+    "build_summary",
+    "peak_memory",
+    "read_summary",
+    "write_atomically",
+    "write_summary",
+]
+
+FORMAT_VERSION = 1
+"""Version of the layout of a result folder."""
+
+
+def build_summary(
+    simulation: Simulation, curve: Curve, *, status: str, message: str, cpu_s: float, wall_s: float
+) -> dict[str, Any]:
+    """Summary of a run up to now.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        The run.
+    curve : Curve
+        Its curve so far, may be empty.
+    status : str
+        ``"running"``, ``"finished"``, ``"stopped"`` or ``"interrupted"``.
+    message : str
+        Why it stopped, or ``""``.
+    cpu_s, wall_s : float
+        Processor and wall time since the simulation was built [s].
+
+    Returns
+    -------
+    dict
+        Only strings, booleans, numbers, None (for "unknown"), lists and dicts of them. The keys are
+        documented in ``docs/files.md``.
+    """
+    case = simulation.case
+    steps = len(curve["step"])
+    peak = int(np.argmax(curve["load_N"])) if steps else None
+    iterations, work = int(curve["iterations"].sum()), _last(curve, "work_J")
+    stored, dissipated = _last(curve, "stored_J"), _last(curve, "dissipated_J")
+    summary = {
+        "format_version": FORMAT_VERSION,
+        "case": case.name,
+        "status": status,
+        "message": message,
+        "full": simulation.full,
+        "seed": case.seed,
+        "criterion": case.adaptivity.criterion,
+        "peak_load_N": None if peak is None else curve["load_N"][peak],
+        "gauge_at_peak_m": None if peak is None else curve["gauge_m"][peak],
+        "gauge_at_end_m": _last(curve, "gauge_m"),
+        "initial_stiffness_N_per_m": simulation.initial_stiffness if steps else None,
+        "dissipated_energy_J": dissipated,
+        "stored_J": stored,
+        "work_J": work,
+        "energy_balance_error": (work - stored - dissipated) / work if work else None,
+        "max_elastic_utilisation": _largest(curve["max_elastic_utilisation"]),
+        "bodies_start": simulation.bodies_start,
+        "bodies_end": _last(curve, "bodies"),
+        "bodies_full": simulation.bodies_full,
+        "steps": steps,
+        "refinements": curve["refinements"].sum(),
+        "iterations": iterations,
+        "factorizations": curve["factorizations"].sum(),
+        "iterations_per_step": iterations / steps if steps else None,
+        "cpu_s": cpu_s,
+        "wall_s": wall_s,
+        "peak_memory_MB": peak_memory() / 1e6,
+        "warnings": warnings_of(curve),
+        "versions": versions(),
+    }
+    return {key: _plain(value) for key, value in summary.items()}
+
+
+def warnings_of(curve: Curve) -> list[str]:
+    """Sentences about what a reader of the results must know."""
+    used = curve["max_elastic_utilisation"]
+    late = np.flatnonzero(used > 1.0)
+    if not len(late):
+        return []
+    worst = late[np.argmax(used[late])]
+    many = f"{len(late)} of {len(used)} steps" if len(late) > 1 else f"1 of {len(used)} steps"
+    return [
+        f"elastic contacts reached {used[worst]:.2f} times their strength at step {curve['step'][worst]} "
+        f"(gauge {length(float(curve['gauge_m'][worst]))}): refinement came too late there; "
+        f"they exceeded it in {many}"
+    ]
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Versions of Fissura, Python and the libraries that decide the numbers."""
+    found = {"python": platform.python_version()}
+    for package in ("fissura", "numpy", "scipy", "numba"):
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            found[package] = "unknown"
+    return found
+
+
+def peak_memory() -> float:
+    """Largest resident memory of this process since it started [bytes]."""
+    if sys.platform == "win32":
+        import psutil
+
+        return float(psutil.Process().memory_info().peak_wset)
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    # Linux counts kibibytes, macOS bytes.
+    return float(peak) if sys.platform == "darwin" else float(peak) * 1024
+
+
+def write_summary(path: Path, summary: dict[str, Any]) -> None:
+    """Write strict JSON (no NaN), never leaving half a file."""
+    text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    write_atomically(path, text.encode())
+
+
+def read_summary(path: str | Path) -> dict[str, Any]:
+    """Read a ``summary.json`` (or that of a result folder).
+
+    Raises
+    ------
+    InputError
+        The file is missing, is not JSON, or has a layout newer than this version of Fissura.
+    """
+    path = Path(path)
+    if path.is_dir():
+        path = path / "summary.json"
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(str(path), "cannot be read", "the summary.json of a Fissura run") from error
+    except ValueError as error:
+        raise InputError(str(path), f"is not JSON ({error})", "the summary.json of a Fissura run") from error
+    version = summary.get("format_version") if isinstance(summary, dict) else None
+    if not isinstance(version, int) or version > FORMAT_VERSION:
+        raise InputError(str(path), f"format_version is {version}", f"1 to {FORMAT_VERSION}")
+    return dict(summary)
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write a file under another name and move it into place."""
+    temporary = path.with_name(path.name + ".part")
+    temporary.write_bytes(data)
+    os.replace(temporary, path)
+
+
+def _last(curve: Curve, name: str) -> Any:
+    return curve[name][-1] if len(curve[name]) else None
+
+
+def _largest(values: Any) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if len(known) else None
+
+
+def _plain(value: Any) -> Any:
+    """Python scalar for a NumPy one; None for what is not a finite number."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,32 @@
+"""Specimens: shapes with named surfaces, notches, and the places of supports, loads and gauges."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fissura.errors import InputError
+from fissura.specimen.box import Box
+from fissura.specimen.conditions import Conditions, Functional, conditions_from_case
+from fissura.specimen.notch import Notch
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+
+__all__ = ["SHAPES", "Box", "Conditions", "Functional", "Notch", "conditions_from_case", "specimen_from_case"]
+
+#: Shapes by the name that a case file gives; each is built by its ``from_case``.
+SHAPES: dict[str, type[Box]] = {"box": Box}
+
+
+def specimen_from_case(case: Case) -> Box:
+    """Build the specimen that the case describes.
+
+    Raises
+    ------
+    InputError
+        Unknown shape, or a notch that does not fit into the specimen.
+    """
+    shape = SHAPES.get(case.specimen.shape)
+    if shape is None:
+        raise InputError("specimen.shape", f"{case.specimen.shape!r} is not known", ", ".join(sorted(SHAPES)))
+    return shape.from_case(case)

@@ -1,0 +1,110 @@
+"""The fine nuclei of a specimen: its identity at every resolution (theory section 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+from fissura.tessellation.mirror import MirrorZones, mirror_zones
+from fissura.tessellation.placement import place
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+    from fissura.specimen import Box
+
+__all__ = ["Nuclei", "nuclei_from_case", "read_nuclei"]
+
+
+@dataclass(frozen=True)
+class Nuclei:
+    """All fine nuclei of a specimen, placed once.
+
+    Attributes
+    ----------
+    x : (n, 3) array
+        Positions [m].
+    priority : (n,) array
+        Fixed random rank, 0 first; mirrored twins share theirs.
+    twin : (n,) array
+        Index of the mirror image, -1 for none.
+    spacing : float
+        Smallest distance ``l_f`` [m].
+    """
+
+    x: NDArray[np.float64]
+    priority: NDArray[np.int64]
+    twin: NDArray[np.int64]
+    spacing: float
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    @classmethod
+    def placed(
+        cls,
+        box: Box,
+        l_f: float,
+        zones: MirrorZones,
+        rng: np.random.Generator,
+        given: NDArray[np.float64] | None = None,
+    ) -> Nuclei:
+        """Saturate a box with nuclei and give each a random priority; arguments as for :func:`place`."""
+        x, twin = place(box, l_f, zones, rng, given)
+        priority = rng.permutation(len(x))
+        paired = twin >= 0
+        priority[paired] = np.minimum(priority[paired], priority[twin[paired]])
+        return cls(x, priority, twin, l_f)
+
+
+def read_nuclei(path: Path) -> NDArray[np.float64]:
+    """Read nuclei from a file: ``.npy`` with shape (n, 3), or text with ``x y z`` in metres on each line.
+
+    Raises
+    ------
+    InputError
+        Missing or unreadable file, wrong shape, values that are not finite.
+    """
+    key = "discretization.nuclei"
+    try:
+        x = np.load(path) if path.suffix == ".npy" else np.loadtxt(path, ndmin=2)
+    except OSError as error:
+        raise InputError(key, f"cannot read {path}: {error.strerror or error}", "a readable file") from error
+    except ValueError as error:
+        raise InputError(key, f"{path} does not hold numbers: {error}", "x y z on each line, in m") from error
+    if x.ndim != 2 or x.shape[1] != 3 or not len(x):
+        raise InputError(key, f"{path} holds an array of shape {x.shape}", "one row of x y z per nucleus")
+    if not np.issubdtype(x.dtype, np.number) or not np.isfinite(x).all():
+        raise InputError(key, f"{path} holds values that are not finite numbers", "finite coordinates in m")
+    return np.ascontiguousarray(x, dtype=np.float64)
+
+
+def nuclei_from_case(case: Case, box: Box) -> Nuclei:
+    """Place the fine nuclei of a case's specimen, beginning with those of its nuclei file if there is one.
+
+    Nuclei from a file stay where they are except beside a notch, where those too close to its plane are left out
+    and the others get mirrored twins; gaps are filled up to saturation.
+
+    Raises
+    ------
+    InputError
+        A nuclei file that cannot be used, or notches too close to each other.
+    """
+    part = case.discretization
+    given = None
+    if part.nuclei is not None:
+        given = read_nuclei(part.nuclei)
+        outside = np.any((given < 0.0) | (given > np.asarray(box.size)), axis=1)
+        if outside.any():
+            row = int(np.argmax(outside))
+            raise InputError(
+                "discretization.nuclei",
+                f"nucleus {row + 1} at {tuple(given[row].tolist())} m is outside the specimen",
+                f"coordinates from 0 to {box.size} m",
+            )
+    rng = np.random.default_rng(np.random.SeedSequence(case.seed))
+    return Nuclei.placed(box, part.l_f, mirror_zones(box, part.l_f, part.l_c), rng, given)
