@@ -31,6 +31,10 @@ def duration(seconds: float) -> str:
     return f"{whole // 3600}:{whole // 60 % 60:02d} h"
 
 
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
 class RunProgress:
     """Shows the steps of a run while it goes on.
 
@@ -98,10 +102,16 @@ class RunProgress:
         if self._bar is not None:
             self._bar.update(self._task, description=text, completed=self._fraction(step.gauge))
             if step.refinements:
-                self._print(f"step {step.number}: refined {step.refinements} times, {step.bodies} bodies")
+                self._print(
+                    f"step {step.number}: {_count(step.refinements, 'refinement')}, {step.bodies} bodies"
+                )
             return
         seconds, gauge = now - self._shown[0], step.gauge - self._shown[1]
-        if step.refinements or seconds >= EVERY_SECONDS or gauge >= EVERY_FRACTION * self._target:
+        if (
+            step.refinements
+            or seconds >= EVERY_SECONDS
+            or gauge >= EVERY_FRACTION * self._target * (1 - 1e-9)
+        ):
             self._shown = (now, step.gauge)
             self._print(f"{100 * self._fraction(step.gauge):3.0f} %  {text}")
 
@@ -111,8 +121,8 @@ class RunProgress:
             f"gauge {length(step.gauge)}",
             f"load {force(step.load)}",
             f"{step.bodies} bodies",
-            f"{self._refinements} refinements",
-            f"{step.iterations} iterations",
+            _count(self._refinements, "refinement"),
+            _count(step.iterations, "iteration"),
             f"{duration(now - self._start)} elapsed",
         ]
         left = self._left(step.gauge)

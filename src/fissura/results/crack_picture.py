@@ -30,7 +30,7 @@ FloatArray = NDArray[np.float64]
 SHOWN = 0.02
 """Openings below this part of the largest one are not drawn."""
 
-ZOOMED = 0.1
+ZOOMED = 0.05
 """The second panel holds every opening above this part of the largest one."""
 
 FINE, COARSE, EDGE = "#dde6ee", "#f6f4ef", "#b4bcc6"

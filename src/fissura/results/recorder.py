@@ -29,6 +29,7 @@ OWN_FILES = (
     "state_last.npz",
     "curve.png",
     "crack.png",
+    "compare.png",
     "bodies.pvd",
     "contacts.pvd",
     "bodies_[0-9]*.vtu",

@@ -77,7 +77,8 @@ class Result:
             raise InputError(str(path), "cannot be read", "the case.json of a Fissura run") from error
         state = folder / "state_last.npz"
         snapshots = dict([read_state(state)]) if state.exists() else {}
-        return cls(case_from_dict(data, folder), bool(summary.get("full")), curve, summary, snapshots, folder)
+        case = case_from_dict(data, folder, files_exist=False)
+        return cls(case, bool(summary.get("full")), curve, summary, snapshots, folder)
 
     @property
     def gauge(self) -> NDArray[np.float64]:

@@ -76,7 +76,7 @@ def read_state(path: str | Path) -> tuple[int, Snapshot]:
 
     key, allowed = str(path), f"a {FORMAT} file of version 1 to {FORMAT_VERSION}"
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        with np.load(io.BytesIO(Path(path).read_bytes()), allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
     except (OSError, ValueError, EOFError) as error:
         raise InputError(key, "cannot be read", allowed) from error

@@ -88,10 +88,7 @@ def contacts_mesh(snapshot: Snapshot) -> meshio.Mesh:
     }
     sizes = np.diff(polygons.offsets)
     groups = [np.flatnonzero(sizes == size) for size in np.unique(sizes)]
-    blocks = [
-        (f"polygon{sizes[group[0]]}", polygons.offsets[group, None] + np.arange(sizes[group[0]]))
-        for group in groups
-    ]
+    blocks = [("polygon", polygons.offsets[group, None] + np.arange(sizes[group[0]])) for group in groups]
     owners = contacts.bodies[np.repeat(polygons.facet, sizes)]
     motion = sum(_motion(snapshot, polygons.points, owners[:, side]) for side in (0, 1)) / 2
     return meshio.Mesh(

@@ -75,14 +75,17 @@ def _mean(patch: Patch, direction: FloatArray) -> Functional:
 
 
 def _rotation(patch: Patch, axis: int) -> Functional | None:
-    """Mean rotation of a patch about an axis through its centroid (least squares); None when it has no extent."""
+    """Mean rotation of a patch about an axis through its centroid, times its radius of gyration [m].
+
+    None when the patch has no extent.
+    """
     unit = np.eye(3)[axis]
     arm = patch.points - patch.centroid
     lever = np.cross(unit, arm)
     inertia = float(patch.weights @ np.einsum("ka,ka->k", lever, lever))
     if inertia <= 1e-18:
         return None
-    return Functional(patch.points, patch.weights[:, None] * lever / inertia)
+    return Functional(patch.points, patch.weights[:, None] * lever / np.sqrt(inertia))
 
 
 def _line_axis(patch: Patch) -> int:

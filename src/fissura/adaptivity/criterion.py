@@ -1,0 +1,72 @@
+"""Refinement criteria (theory section 4): how near to failure an elastic body is.
+
+Each returns a value per body, 1 meaning at its strength; coarse bodies above ``gamma`` are critical.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+from fissura.tessellation import Tessellation
+
+__all__ = ["CRITERIA", "ElasticState", "criterion_named", "rankine", "utilisation"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ElasticState:
+    """What criteria may look at.
+
+    Attributes
+    ----------
+    tessellation : Tessellation
+        Bodies and contacts.
+    stress : (n, 3, 3) array
+        Stress in bodies [Pa].
+    strength : (n,) array
+        Tensile strength at the bodies [Pa].
+    utilisation : (m,) array
+        Effective traction over strength of elastic contacts; 0 for contacts with damage.
+    """
+
+    tessellation: Tessellation
+    stress: FloatArray
+    strength: FloatArray
+    utilisation: FloatArray
+
+
+def rankine(state: ElasticState) -> FloatArray:
+    """Largest principal stress of each body over its tensile strength."""
+    principal: FloatArray = np.linalg.eigvalsh(state.stress)[:, -1]
+    return principal / state.strength
+
+
+def utilisation(state: ElasticState) -> FloatArray:
+    """Largest utilisation of the elastic contacts of each body."""
+    value = np.zeros(len(state.tessellation))
+    for side in (0, 1):
+        np.maximum.at(value, state.tessellation.contacts.bodies[:, side], state.utilisation)
+    return value
+
+
+#: Criteria by the name that a case file gives.
+CRITERIA: dict[str, Callable[[ElasticState], FloatArray]] = {"utilisation": utilisation, "rankine": rankine}
+
+
+def criterion_named(name: str) -> Callable[[ElasticState], FloatArray]:
+    """The criterion of a case.
+
+    Raises
+    ------
+    InputError
+        Unknown name.
+    """
+    if name not in CRITERIA:
+        raise InputError("adaptivity.criterion", f"{name!r} is not known", ", ".join(sorted(CRITERIA)))
+    return CRITERIA[name]

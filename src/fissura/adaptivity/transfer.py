@@ -1,0 +1,39 @@
+"""History of contacts from one discretization to the next, by pairs of nuclei."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["transfer_history"]
+
+
+def transfer_history(
+    old_pairs: NDArray[np.int64],
+    old: NDArray[np.float64],
+    new_pairs: NDArray[np.int64],
+) -> NDArray[np.float64]:
+    """History on a new discretization: kept where both nuclei stay, zero for new contacts.
+
+    Parameters
+    ----------
+    old_pairs, new_pairs : (k, 2), (q, 2) arrays
+        Identities of the nuclei of contacts with damage.
+    old : (k, h) array
+        History.
+
+    Returns
+    -------
+    (q, h) array
+    """
+    new = np.zeros((len(new_pairs), old.shape[1]))
+    if not len(old_pairs) or not len(new_pairs):
+        return new
+    base = 1 + max(int(old_pairs.max()), int(new_pairs.max()))
+    old_keys = np.sort(old_pairs, axis=1) @ np.array([base, 1])
+    new_keys = np.sort(new_pairs, axis=1) @ np.array([base, 1])
+    order = np.argsort(old_keys)
+    place = np.minimum(np.searchsorted(old_keys[order], new_keys), len(order) - 1)
+    same = old_keys[order[place]] == new_keys
+    new[same] = old[order[place[same]]]
+    return new

@@ -1,0 +1,274 @@
+"""The contact law of Cusatis & Cedolin (2007) in the form of Eliáš (2016), theory section 3.
+
+One damage variable per contact; three running values of history: damage, largest ``e_N``, largest ``e_T``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from fissura.errors import InputError
+from fissura.material import Material
+
+__all__ = ["CusatisCedolin", "transition_angle"]
+
+FloatArray = NDArray[np.float64]
+
+_HALF_PI = 0.5 * np.pi
+_INTACT_SHARE = 1e-9  # of the stiffness is left to a broken contact, so that loose bodies keep a position
+
+
+@njit(cache=True)
+def _tension_shear_strength(sin, cos, alpha, f_t, f_s, mu):  # type: ignore[no-untyped-def]
+    """Strength and its derivative to omega for ``s_T^2 = (f_t - s_N)(f_s^2/f_t - mu^2 s_N)``."""
+    b = f_s * f_s / f_t + mu * mu * f_t
+    root = np.sqrt(b * b * sin * sin + 4.0 * f_s * f_s * (alpha * cos * cos - mu * mu * sin * sin))
+    f = 2.0 * f_s * f_s / (b * sin + root)
+    slope = (b * b - 4.0 * f_s * f_s * (alpha + mu * mu)) * sin * cos / root
+    return f, -f * (b * cos + slope) / (b * sin + root)
+
+
+@njit(cache=True)
+def _compression_strength(sin, cos, alpha, f_c, beta):  # type: ignore[no-untyped-def]
+    """Strength and its derivative to omega for ``s_N^2 + s_T^2 / beta = f_c^2``."""
+    g2 = sin * sin + alpha * cos * cos / beta
+    f = f_c / np.sqrt(g2)
+    return f, -f * (1.0 - alpha / beta) * sin * cos / g2
+
+
+def transition_angle(material: Material) -> float:
+    """Angle ``omega_0 < 0`` at which both strength surfaces meet [rad].
+
+    Raises
+    ------
+    InputError
+        The surfaces do not meet under compression.
+    """
+    m = material
+
+    def gap(omega: float) -> float:
+        sin, cos = np.sin(omega), np.cos(omega)
+        shear, _ = _tension_shear_strength(sin, cos, m.alpha, m.f_t, m.f_s, m.mu)
+        cap, _ = _compression_strength(sin, cos, m.alpha, m.f_c, m.beta)
+        return float(shear - cap)
+
+    low = -np.arctan(np.sqrt(m.alpha) / m.mu) * (1.0 - 1e-9) if m.mu > 0 else -_HALF_PI * (1.0 - 1e-9)
+    if gap(0.0) >= 0.0 or gap(low) <= 0.0:
+        raise InputError(
+            "material.f_c",
+            f"{m.f_c:g} Pa: the compressive cap does not meet the shear strength under compression",
+            f"more than {m.f_s / np.sqrt(m.beta):g} Pa",
+        )
+    return float(brentq(gap, low, 0.0, xtol=1e-15, rtol=1e-14))
+
+
+@njit(cache=True)
+def _respond(strain, history, scale, k_t, k_s, n_t, par, traction, new, tangent, with_tangent):  # type: ignore[no-untyped-def]
+    E, alpha, f_t0, f_s0, f_c0, k_c, mu, beta, n_c, omega0 = par
+    root_alpha = np.sqrt(alpha)
+    for c in range(len(strain)):
+        p = strain[c, 0]
+        e_t = np.sqrt(strain[c, 1] ** 2 + strain[c, 2] ** 2)
+        q = root_alpha * e_t
+        e = np.sqrt(p * p + q * q)
+        damage = history[c, 0]
+        top_n, top_t = max(history[c, 1], p), max(history[c, 2], e_t)
+        new[c, 1], new[c, 2] = top_n, top_t
+        grows = False
+        d_p, d_q = 0.0, 0.0  # derivatives of damage
+        if e > 0.0:
+            f_t, f_s, f_c = f_t0 * scale[c], f_s0 * scale[c], f_c0 * scale[c]
+            sin, cos = p / e, q / e
+            omega = np.arctan2(p, q)
+            e_max = np.sqrt(top_n * top_n + alpha * top_t * top_t)
+            if omega < omega0:
+                f, df = _compression_strength(sin, cos, alpha, f_c, beta)
+                base = (omega + 0.5 * np.pi) / (omega0 + 0.5 * np.pi)
+                power = base**n_c
+                k = k_c * (1.0 - power)
+                dk = -k_c * n_c * power / (omega + 0.5 * np.pi) if base > 0.0 else 0.0
+                chi, weight = e, 1.0
+            else:
+                f, df = _tension_shear_strength(sin, cos, alpha, f_t, f_s, mu)
+                base = (omega - 0.5 * np.pi) / (omega0 - 0.5 * np.pi)
+                power = base ** n_t[c] if base > 0.0 else 0.0
+                k = -k_t[c] * (1.0 - power)
+                dk = k_t[c] * n_t[c] * power / (omega - 0.5 * np.pi) if base > 0.0 else 0.0
+                weight = omega / omega0 if omega < 0.0 else 0.0
+                chi = e * weight + e_max * (1.0 - weight)
+            excess = chi - f / E
+            bound = f
+            if excess > 0.0:
+                bound = f * np.exp(k / f * excess)
+            trial = 1.0 - bound / (E * e)
+            if trial > damage:
+                damage = trial
+                grows = True
+                if damage > 1.0 - _INTACT_SHARE:
+                    damage = 1.0 - _INTACT_SHARE
+                    grows = False
+            if grows and with_tangent:
+                w_p, w_q = cos / e, -sin / e  # derivatives of omega
+                log_w = df / f
+                log_p, log_q = 0.0, 0.0
+                if excess > 0.0:
+                    log_w += (dk - k * df / f) / f * excess - k / f * df / E
+                    # chi = e weight + e_max (1 - weight)
+                    m_p = top_n / e_max if (e_max > 0.0 and p >= history[c, 1] and p > 0.0) else 0.0
+                    m_q = root_alpha * top_t / e_max if (e_max > 0.0 and e_t >= history[c, 2]) else 0.0
+                    chi_p = sin * weight + m_p * (1.0 - weight)
+                    chi_q = cos * weight + m_q * (1.0 - weight)
+                    if omega >= omega0 and omega < 0.0:
+                        chi_p += (e - e_max) / omega0 * w_p
+                        chi_q += (e - e_max) / omega0 * w_q
+                    log_p, log_q = k / f * chi_p, k / f * chi_q
+                ratio = bound / (E * e)
+                d_p = -ratio * (log_w * w_p + log_p - sin / e)
+                d_q = -ratio * (log_w * w_q + log_q - cos / e)
+        new[c, 0] = damage
+        intact = 1.0 - damage
+        traction[c, 0] = intact * E * p
+        traction[c, 1] = intact * alpha * E * strain[c, 1]
+        traction[c, 2] = intact * alpha * E * strain[c, 2]
+        if with_tangent:
+            d = np.zeros(3)
+            if grows:
+                d[0] = d_p
+                if e_t > 0.0:
+                    d[1] = d_q * root_alpha * strain[c, 1] / e_t
+                    d[2] = d_q * root_alpha * strain[c, 2] / e_t
+            for a in range(3):
+                s = E if a == 0 else alpha * E
+                for b in range(3):
+                    tangent[c, a, b] = -s * strain[c, a] * d[b]
+                tangent[c, a, a] += intact * s
+
+
+@njit(cache=True)
+def _utilisation(strain, scale, par, out):  # type: ignore[no-untyped-def]
+    E, alpha, f_t, f_s, f_c, _, mu, beta, _, omega0 = par
+    for c in range(len(strain)):
+        p = strain[c, 0]
+        q = np.sqrt(alpha * (strain[c, 1] ** 2 + strain[c, 2] ** 2))
+        e = np.sqrt(p * p + q * q)
+        out[c] = 0.0
+        if e > 0.0:
+            if np.arctan2(p, q) < omega0:
+                f, _ = _compression_strength(p / e, q / e, alpha, f_c * scale[c], beta)
+            else:
+                f, _ = _tension_shear_strength(p / e, q / e, alpha, f_t * scale[c], f_s * scale[c], mu)
+            out[c] = E * e / f
+
+
+@dataclass(frozen=True)
+class CusatisCedolin:
+    """The law for a set of contacts.
+
+    Attributes
+    ----------
+    material : Material
+        Parameters.
+    length : (m,) array
+        Contact lengths [m].
+    scale : (m,) array
+        Relative strength ``H``: strengths go with it, fracture energies with its square.
+    k_t, k_s, n_t : (m,) array
+        Softening moduli [Pa] and exponent; they depend on length alone.
+    omega0 : float
+        Angle at which both strength surfaces meet [rad].
+    """
+
+    material: Material
+    length: FloatArray
+    scale: FloatArray
+    k_t: FloatArray
+    k_s: FloatArray
+    n_t: FloatArray
+    omega0: float
+
+    @classmethod
+    def create(cls, material: Material, length: FloatArray, scale: FloatArray | None = None) -> CusatisCedolin:
+        """Prepare the law for contacts of given lengths.
+
+        Raises
+        ------
+        InputError
+            A contact longer than the law allows without snap-back.
+        """
+        m = material
+        longest = min(m.longest_tension, m.longest_shear)
+        top = float(length.max(initial=0.0))
+        if top >= longest:
+            raise InputError(
+                "discretization.l_f",
+                f"a fine contact is {top * 1e3:.4g} mm long, but this material softens without snap-back only below"
+                f" {longest * 1e3:.4g} mm",
+                "a smaller l_f, a larger material.G_t or a smaller material.f_t",
+            )
+        omega0 = transition_angle(m)
+        k_t = 2.0 * m.E * m.f_t**2 * length / (2.0 * m.E * m.G_t - m.f_t**2 * length)
+        k_s = 2.0 * m.alpha * m.E * m.f_s**2 * length / (2.0 * m.alpha * m.E * m.G_s - m.f_s**2 * length)
+        if np.any(k_s >= k_t):
+            raise InputError(
+                "material.G_s",
+                "shear softens faster than tension for some contacts",
+                "f_s^2 / (alpha G_s) smaller than f_t^2 / G_t",
+            )
+        n_t = np.log(k_t / (k_t - k_s)) / np.log(1.0 - 2.0 * omega0 / np.pi)
+        return cls(m, length, np.ones(len(length)) if scale is None else scale, k_t, k_s, n_t, omega0)
+
+    @property
+    def elastic(self) -> FloatArray:
+        """Elastic moduli of the three strain components [Pa], shape (3,)."""
+        return self.material.E * np.array([1.0, self.material.alpha, self.material.alpha])
+
+    def initial_history(self) -> FloatArray:
+        """History of a virgin contact: damage, largest ``e_N``, largest ``e_T``; shape (m, 3)."""
+        return np.zeros((len(self.length), 3))
+
+    def _parameters(self) -> tuple[float, ...]:
+        m = self.material
+        return (m.E, m.alpha, m.f_t, m.f_s, m.f_c, m.K_c, m.mu, m.beta, m.n_c, self.omega0)
+
+    def _run(self, strain: FloatArray, history: FloatArray, tangent: FloatArray, with_tangent: bool) -> tuple[FloatArray, FloatArray]:
+        traction, new = np.empty_like(strain), np.empty_like(history)
+        _respond(
+            strain, history, self.scale, self.k_t, self.k_s, self.n_t, self._parameters(), traction, new, tangent, with_tangent
+        )
+        return traction, new
+
+    def response(self, strain: FloatArray, history: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Tractions and new history.
+
+        Parameters
+        ----------
+        strain : (m, 3) array
+            ``e_N, e_M, e_L``.
+        history : (m, 3) array
+            History at the last accepted step.
+
+        Returns
+        -------
+        traction : (m, 3) array
+            ``s_N, s_M, s_L`` [Pa].
+        history : (m, 3) array
+            What it becomes when the step is accepted.
+        """
+        return self._run(strain, history, np.empty((1, 3, 3)), False)
+
+    def tangent(self, strain: FloatArray, history: FloatArray) -> FloatArray:
+        """Consistent tangent ``ds/de`` [Pa], shape (m, 3, 3); unsymmetric where damage grows."""
+        tangent = np.empty((len(strain), 3, 3))
+        self._run(strain, history, tangent, True)
+        return tangent
+
+    def utilisation(self, strain: FloatArray) -> FloatArray:
+        """Elastic effective traction over strength, ``E e / f_eff(omega)``; shape (m,)."""
+        out = np.empty(len(strain))
+        _utilisation(strain, self.scale, self._parameters(), out)
+        return out

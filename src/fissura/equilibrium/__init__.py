@@ -1,0 +1,24 @@
+"""Equilibrium: assembly, linear solvers, Newton and secant under indirect control."""
+
+from __future__ import annotations
+
+from fissura.equilibrium.attach import attach, owners
+from fissura.equilibrium.direct import SOLVERS, SingularMatrixError, best_solver
+from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
+from fissura.equilibrium.steps import StepLength
+from fissura.equilibrium.system import Response, System
+
+__all__ = [
+    "SOLVERS",
+    "Equilibrium",
+    "Norms",
+    "Response",
+    "SingularMatrixError",
+    "StepLength",
+    "StepSolver",
+    "System",
+    "attach",
+    "best_solver",
+    "owners",
+    "settle",
+]

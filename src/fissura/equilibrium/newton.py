@@ -1,0 +1,237 @@
+"""Nonlinear solution of one step under indirect control (theory section 7).
+
+Unknowns are the displacements and the load multiplier; the controlled quantity ``g . u`` is prescribed. Newton's method
+with the consistent tangent goes first; the secant stiffness takes over where Newton fails, and hands back when it has
+calmed the residual.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.equilibrium.direct import SingularMatrixError
+from fissura.equilibrium.system import Response, System
+
+__all__ = ["Equilibrium", "Norms", "StepSolver", "settle"]
+
+FloatArray = NDArray[np.float64]
+_log = logging.getLogger(__name__)
+
+_SMALLEST_CUT = 1.0 / 16.0
+
+
+@dataclass(frozen=True)
+class Norms:
+    """Measures of disequilibrium.
+
+    Attributes
+    ----------
+    force : float
+        Norm of the residual over that of the load.
+    displacement : float
+        Norm of the last correction over that of the displacements.
+    energy : float
+        Work of the residual on the last correction over that of the load on the displacements.
+    """
+
+    force: float = np.inf
+    displacement: float = np.inf
+    energy: float = np.inf
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A state of equilibrium.
+
+    Attributes
+    ----------
+    response : Response
+        Displacements, strains, tractions, history.
+    load : float
+        Load multiplier [N].
+    value : float
+        Controlled quantity ``g . u`` [m].
+    norms : Norms
+        How well it is in equilibrium.
+    iterations : int
+        Nonlinear iterations it took.
+    """
+
+    response: Response
+    load: float
+    value: float
+    norms: Norms = field(default_factory=Norms)
+    iterations: int = 0
+
+
+@dataclass
+class _Trial:
+    """A state on the way to equilibrium."""
+
+    response: Response
+    load: float
+    residual: FloatArray
+    size: float
+    displacement: float = np.inf
+    energy: float = np.inf
+
+
+def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
+    """Linear solution with the damage that is there: the controlled quantity takes the given value.
+
+    Used for the first elastic state, and to find the state of the last accepted step on a new discretization.
+
+    Raises
+    ------
+    SingularMatrixError
+        The structure is a mechanism.
+    """
+    system.solver.factor(system.secant(history), symmetric=True)
+    unit = system.solver.solve(system.load)
+    reach = float(system.control @ unit)
+    if not np.isfinite(reach) or reach == 0.0:
+        raise SingularMatrixError("the load does not move the gauge")
+    u = unit * (value / reach)
+    strain_only = system.response(u, history)
+    intact = 1.0 - history[:, :1]
+    traction = strain_only.strain * system.moduli
+    traction[system.active] *= intact
+    response = Response(u, strain_only.strain, traction, history, system.internal(traction, u))
+    return Equilibrium(response, value / reach, value, iterations=1)
+
+
+class StepSolver:
+    """Solves for equilibrium at a prescribed value of the controlled quantity.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest relative force residual and energy error.
+    max_iterations : int
+        Iterations after which a step is given up.
+    """
+
+    def __init__(self, tolerance: float, max_iterations: int) -> None:
+        self.tolerance = tolerance
+        self.max_iterations = max_iterations
+
+    def solve(
+        self,
+        system: System,
+        history: FloatArray,
+        value: float,
+        guess: tuple[FloatArray, float],
+        load_scale: float,
+    ) -> Equilibrium | None:
+        """Find equilibrium.
+
+        Parameters
+        ----------
+        system : System
+            Equations.
+        history : (k, 3) array
+            Accepted history.
+        value : float
+            Prescribed value of the controlled quantity [m].
+        guess : ((6 n,) array, float)
+            Displacements and load multiplier to begin with.
+        load_scale : float
+            Load below which residuals are no longer measured against the current load [N].
+
+        Returns
+        -------
+        Equilibrium or None
+            None when no equilibrium was found.
+        """
+        self._system, self._history, self._value, self._scale = system, history, value, load_scale
+        trial = self._try(guess[0].copy(), guess[1])
+        done = 0
+        newton = True
+        stalls = 0
+        secants = 0
+        while done < self.max_iterations:
+            if self._converged(trial):
+                norms = Norms(trial.size / self._reference(trial.load), trial.displacement, trial.energy)
+                return Equilibrium(trial.response, trial.load, value, norms, done)
+            done += 1
+            try:
+                if newton:
+                    following = self._newton(trial)
+                    stalls = stalls + 1 if following.size > 0.7 * trial.size else 0
+                    if stalls >= 2 or not np.isfinite(following.size):
+                        newton, secants, stalls = False, 0, 0
+                        _log.debug("Newton stalls at %.2e, secant takes over", following.size)
+                        if not np.isfinite(following.size) or following.size > 10.0 * trial.size:
+                            continue
+                else:
+                    following = self._secant(trial)
+                    secants += 1
+                    if secants >= 4:
+                        newton = True
+            except SingularMatrixError as error:
+                _log.debug("%s", error)
+                if not newton:
+                    return None
+                newton, secants = False, 0
+                continue
+            trial = following
+        return None
+
+    def _reference(self, load: float) -> float:
+        system = self._system
+        return float(np.linalg.norm(system.weights * system.load)) * max(abs(load), self._scale)
+
+    def _converged(self, trial: _Trial) -> bool:
+        """Force and energy within tolerance, and the prescribed value met."""
+        gap = abs(self._system.control @ trial.response.u - self._value)
+        return (
+            trial.size <= self.tolerance * self._reference(trial.load)
+            and gap <= 1e-9 * abs(self._value)
+            and trial.energy <= self.tolerance
+        )
+
+    def _try(self, u: FloatArray, load: float) -> _Trial:
+        response = self._system.response(u, self._history)
+        residual = load * self._system.load - response.forces
+        return _Trial(response, load, residual, float(np.linalg.norm(self._system.weights * residual)))
+
+    def _measured(self, trial: _Trial, before: _Trial) -> _Trial:
+        """Fill in the norms that need the correction."""
+        step = trial.response.u - before.response.u
+        trial.displacement = float(np.linalg.norm(step) / max(np.linalg.norm(trial.response.u), 1e-300))
+        work = abs(trial.load * float(self._system.load @ trial.response.u))
+        trial.energy = abs(float(trial.residual @ step)) / max(work, 1e-300)
+        return trial
+
+    def _newton(self, trial: _Trial) -> _Trial:
+        system = self._system
+        system.solver.factor(system.tangent(trial.response, self._history), symmetric=False)
+        pair = system.solver.solve(np.stack([system.load, trial.residual], axis=1))
+        unit, correction = pair[:, 0], pair[:, 1]
+        gap = self._value - system.control @ trial.response.u
+        more = float((gap - system.control @ correction) / (system.control @ unit))
+        du = correction + more * unit
+        if not np.isfinite(du).all():
+            raise SingularMatrixError("the tangent stiffness is singular")
+        best: _Trial | None = None
+        cut = 1.0
+        while cut >= _SMALLEST_CUT:
+            following = self._try(trial.response.u + cut * du, trial.load + cut * more)
+            if best is None or following.size < best.size:
+                best = following
+            if best.size < (1.0 - 0.1 * cut) * trial.size or gap != 0.0 and abs(gap) > 1e-9 * abs(self._value):
+                break
+            cut *= 0.5
+        assert best is not None
+        return self._measured(best, trial)
+
+    def _secant(self, trial: _Trial) -> _Trial:
+        system = self._system
+        system.solver.factor(system.secant(trial.response.history), symmetric=True)
+        unit = system.solver.solve(system.load)
+        load = self._value / float(system.control @ unit)
+        return self._measured(self._try(load * unit, load), trial)

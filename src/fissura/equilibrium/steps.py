@@ -1,0 +1,77 @@
+"""Step lengths that adjust themselves.
+
+Lengths are the longest one divided by powers of two, and every step ends at a multiple of its own length. Runs of one
+case, adaptive or full, therefore meet at the same values of the controlled quantity as far as they can.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+__all__ = ["StepLength"]
+
+
+@dataclass(frozen=True)
+class StepLength:
+    """Length of the next step.
+
+    Attributes
+    ----------
+    longest : float
+        Longest step [m].
+    smallest : float
+        Step below which a run is given up [m].
+    level : int
+        The step is ``longest / 2**level``.
+    easy : int
+        Easy steps in a row.
+    """
+
+    longest: float
+    smallest: float
+    level: int
+    easy: int = 0
+
+    #: A step is easy up to this number of iterations, hard from the second one on.
+    EASY = 5
+    HARD = 12
+    #: Easy steps in a row before the length doubles.
+    PATIENCE = 2
+
+    @classmethod
+    def starting(cls, first: float, longest: float, smallest: float) -> StepLength:
+        """Begin with the length nearest below `first`."""
+        level = 0
+        while longest / 2**level > first * (1.0 + 1e-9):
+            level += 1
+        return cls(longest, smallest, level)
+
+    @property
+    def length(self) -> float:
+        """Current length [m]."""
+        return self.longest / 2**self.level
+
+    def next_value(self, value: float, target: float) -> float:
+        """End of the next step: the next multiple of the length, at most the target [m]."""
+        count = int((value + 1e-6 * self.length) / self.length) + 1
+        end = count * self.length
+        return target if end > target - 1e-6 * self.length else end
+
+    def after(self, iterations: int, value: float) -> StepLength:
+        """Length after a step that ended at `value` and took so many iterations."""
+        if iterations >= self.HARD:
+            return replace(self, level=self.level + 1, easy=0)
+        if iterations > self.EASY or self.level == 0:
+            return replace(self, easy=0)
+        easy = self.easy + 1
+        doubled = 2.0 * self.length
+        aligned = abs(value / doubled - round(value / doubled)) < 1e-6
+        if easy >= self.PATIENCE and aligned:
+            return replace(self, level=self.level - 1, easy=0)
+        return replace(self, easy=easy)
+
+    def halved(self) -> StepLength | None:
+        """Half the length, or None when that is below the smallest."""
+        if 0.5 * self.length < self.smallest:
+            return None
+        return replace(self, level=self.level + 1, easy=0)

@@ -1,0 +1,172 @@
+"""The equations of one discretization: internal forces and stiffness for given displacements and history."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.contact import (
+    CusatisCedolin,
+    Kinematics,
+    body_stress,
+    contact_strains,
+    kinematics,
+    nodal_forces,
+)
+from fissura.equilibrium.assembly import Pattern, assemble, pattern
+from fissura.equilibrium.attach import attach, owners
+from fissura.equilibrium.direct import DirectSolver, best_solver
+from fissura.material import Material
+from fissura.specimen import Conditions
+from fissura.tessellation import Tessellation
+
+__all__ = ["Response", "System"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Supports are this many times stiffer than a typical contact. Their displacement is then 1e-6 of the specimen's,
+#: and round-off still far below the tolerance of equilibrium.
+_SUPPORT_STIFFNESS = 1e5
+
+
+@dataclass(frozen=True)
+class Response:
+    """What the structure answers to displacements.
+
+    Attributes
+    ----------
+    u : (6 n,) array
+        Displacements and rotations.
+    strain, traction : (m, 3) array
+        Of all contacts; tractions in Pa.
+    history : (k, 3) array
+        History of the contacts with damage, if these displacements were accepted.
+    forces : (6 n,) array
+        Internal forces and moments, supports included.
+    """
+
+    u: FloatArray
+    strain: FloatArray
+    traction: FloatArray
+    history: FloatArray
+    forces: FloatArray
+
+
+class System:
+    """Equations of equilibrium of one discretization.
+
+    Parameters
+    ----------
+    tessellation : Tessellation
+        Bodies and contacts.
+    material : Material
+        Material of the contacts.
+    law : type
+        Contact law of fine contacts.
+    conditions : Conditions
+        Supports, load and controlled quantity.
+    """
+
+    def __init__(
+        self,
+        tessellation: Tessellation,
+        material: Material,
+        law: type[CusatisCedolin],
+        conditions: Conditions,
+    ) -> None:
+        contacts = tessellation.contacts
+        self.tessellation = tessellation
+        self.material = material
+        self.geometry: Kinematics = kinematics(tessellation)
+        self.active: IntArray = np.flatnonzero(contacts.fine)
+        self.passive: IntArray = np.flatnonzero(~contacts.fine)
+        self.law = law.create(material, contacts.length[self.active])
+        # Elastic contacts have no softening and hence no limit on their length: only their strength is asked for.
+        self.elastic_law = law.create(material, np.full(len(self.passive), contacts.length.min()))
+        self.moduli = material.E * np.array([1.0, material.alpha, material.alpha])
+        self.load: FloatArray = attach(conditions.load, tessellation).ravel()
+        self.control: FloatArray = attach(conditions.control, tessellation).ravel()
+
+        self._conditions = conditions
+        rows = np.array([attach(support, tessellation).ravel() for support in conditions.supports])
+        self.support_dofs: IntArray = np.flatnonzero(rows.any(axis=0))
+        self.support_rows: FloatArray = rows[:, self.support_dofs]
+        typical = material.E * float(np.median(contacts.area / contacts.length))
+        self.support_stiffness = _SUPPORT_STIFFNESS * typical
+        self.pattern: Pattern = pattern(self.geometry, self.support_rows, self.support_dofs, self.support_stiffness)
+        self.solver: DirectSolver = best_solver()(self.pattern)
+        # Moments count as forces at the arm of half a contact.
+        arm = 0.5 * float(np.median(contacts.length))
+        self.weights: FloatArray = np.tile(np.repeat([1.0, 1.0 / arm], 3), len(tessellation))
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.pattern.size
+
+    def virgin(self) -> FloatArray:
+        """History of undamaged contacts, shape (k, 3)."""
+        return self.law.initial_history()
+
+    def pairs(self) -> IntArray:
+        """Nuclei of the contacts with damage, by which their history is kept; shape (k, 2)."""
+        return self.tessellation.nucleus[self.tessellation.contacts.bodies[self.active]]
+
+    def response(self, u: FloatArray, history: FloatArray) -> Response:
+        """Internal forces for displacements u, shape (6 n,), and accepted history."""
+        strain = contact_strains(self.geometry, u.reshape(-1, 6))
+        traction = strain * self.moduli
+        traction[self.active], new = self.law.response(strain[self.active], history)
+        return Response(u, strain, traction, new, self.internal(traction, u))
+
+    def internal(self, traction: FloatArray, u: FloatArray) -> FloatArray:
+        """Internal forces of given tractions [Pa], with the reactions of supports; shape (6 n,)."""
+        forces = nodal_forces(self.geometry, traction).ravel()
+        reaction = self.support_stiffness * (self.support_rows @ u[self.support_dofs])
+        forces[self.support_dofs] += reaction @ self.support_rows
+        return forces
+
+    def tangent(self, response: Response, history: FloatArray) -> FloatArray:
+        """Entries of the consistent tangent stiffness at a response."""
+        stiffness = np.zeros((len(self.geometry), 3, 3))
+        stiffness[:, range(3), range(3)] = self.moduli
+        stiffness[self.active] = self.law.tangent(response.strain[self.active], history)
+        return assemble(self.geometry, self.pattern, stiffness)
+
+    def secant(self, history: FloatArray) -> FloatArray:
+        """Entries of the secant stiffness for given damage; symmetric and positive definite."""
+        stiffness = np.zeros((len(self.geometry), 3, 3))
+        stiffness[:, range(3), range(3)] = self.moduli
+        intact = 1.0 - history[:, 0]
+        stiffness[self.active[:, None], range(3), range(3)] = intact[:, None] * self.moduli
+        return assemble(self.geometry, self.pattern, stiffness)
+
+    def stored(self, response: Response) -> float:
+        """Elastic energy, ``sum A L s . e / 2`` [J]."""
+        return 0.5 * float(np.einsum("c,ca,ca->", self.geometry.volume, response.traction, response.strain))
+
+    def dissipated(self, old: Response, new: Response) -> FloatArray:
+        """Energy dissipated by each contact between two responses, ``A L (s_old.e_new - s_new.e_old)/2`` [J]; (m,)."""
+        work = np.einsum("ca,ca->c", old.traction, new.strain) - np.einsum(
+            "ca,ca->c", new.traction, old.strain
+        )
+        return 0.5 * self.geometry.volume * work
+
+    def elastic_utilisation(self, response: Response) -> FloatArray:
+        """Effective traction over strength of elastic contacts, 0 for those with damage; shape (m,)."""
+        out = np.zeros(len(self.geometry))
+        out[self.passive] = self.elastic_law.utilisation(response.strain[self.passive])
+        return out
+
+    def stress(self, response: Response, load: float) -> FloatArray:
+        """Stress in bodies [Pa], with the forces of load and supports at their points; shape (n, 3, 3)."""
+        reactions = -self.support_stiffness * (self.support_rows @ response.u[self.support_dofs])
+        acting = [(self._conditions.load, load), *zip(self._conditions.supports, reactions, strict=True)]
+        points = np.concatenate([functional.points for functional, _ in acting])
+        forces = np.concatenate([size * functional.coefficients for functional, size in acting])
+        return body_stress(
+            self.tessellation, self.geometry.frame, response.traction, owners(self.tessellation, points), points, forces
+        )

@@ -1,0 +1,69 @@
+"""Parameters of the material at contact level."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+
+__all__ = ["Material", "material_from_case"]
+
+
+@dataclass(frozen=True)
+class Material:
+    """Contact parameters (theory section 3).
+
+    Attributes
+    ----------
+    E : float
+        Normal modulus of contacts [Pa].
+    alpha : float
+        Ratio of tangential to normal stiffness.
+    f_t, f_s, f_c : float
+        Strength in tension, shear and compression [Pa].
+    G_t, G_s : float
+        Fracture energy in tension and shear [J/m^2].
+    K_c : float
+        Hardening modulus in compression [Pa].
+    mu : float
+        Slope of the strength surface at high compression.
+    beta : float
+        Shape of the compressive cap.
+    n_c : float
+        Exponent of the transition of the hardening modulus.
+    """
+
+    E: float
+    alpha: float
+    f_t: float
+    G_t: float
+    f_s: float
+    f_c: float
+    G_s: float
+    K_c: float
+    mu: float = 0.2
+    beta: float = 1.0
+    n_c: float = 2.0
+
+    @classmethod
+    def standard(cls, E: float, alpha: float, f_t: float, G_t: float) -> Material:
+        """Material with the default ratios ``f_s = 3 f_t, f_c = 16 f_t, G_s = 16 G_t, K_c = 0.26 E``."""
+        return cls(E, alpha, f_t, G_t, 3.0 * f_t, 16.0 * f_t, 16.0 * G_t, 0.26 * E)
+
+    @property
+    def longest_tension(self) -> float:
+        """Contact length [m] at which tensile softening would snap back, ``l_t = 2 E G_t / f_t^2``."""
+        return 2.0 * self.E * self.G_t / self.f_t**2
+
+    @property
+    def longest_shear(self) -> float:
+        """Contact length [m] at which shear softening would snap back, ``2 alpha E G_s / f_s^2``."""
+        return 2.0 * self.alpha * self.E * self.G_s / self.f_s**2
+
+
+def material_from_case(case: Case) -> Material:
+    """Material of a case."""
+    m = case.material
+    return Material(m.E, m.alpha, m.f_t, m.G_t, m.f_s, m.f_c, m.G_s, m.K_c, m.mu, m.beta, m.n_c)

@@ -1,0 +1,340 @@
+"""The loop over steps: equilibrium, criterion, refinement, the same step again (theory section 5).
+
+It yields accepted steps and knows no files.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.adaptivity import (
+    ElasticState,
+    RefinedRegion,
+    criterion_named,
+    region_from_case,
+    transfer_history,
+)
+from fissura.contact import law_from_case
+from fissura.equilibrium import Equilibrium, SingularMatrixError, StepLength, StepSolver, System, settle
+from fissura.errors import InputError, RunStopped
+from fissura.material import material_from_case
+from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.tessellation import Tessellation, discretize, nuclei_from_case
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+
+__all__ = ["Simulation", "Snapshot", "Step"]
+
+FloatArray = NDArray[np.float64]
+_log = logging.getLogger(__name__)
+
+#: Refinements of one step before the run is given up; each must add bodies, so this only stops a runaway.
+_MOST_REFINEMENTS = 60
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """State of one accepted step.
+
+    Attributes
+    ----------
+    tessellation : Tessellation
+        Bodies and contacts.
+    displacement : (n, 6) array
+        Displacements [m] and rotations of the nuclei.
+    stress : (n, 3, 3) array
+        Stress in bodies [Pa].
+    criterion : (n,) array
+        Value of the refinement criterion, 1 at strength; nan for fine bodies.
+    strain, traction : (m, 3) array
+        Strains ``e_N, e_M, e_L`` and tractions [Pa] of contacts.
+    tangents : (m, 2, 3) array
+        Unit vectors m, l.
+    damage : (m,) array
+        Damage of contacts.
+    opening : (m,) array
+        Crack opening ``L D e_N`` where ``e_N > 0`` [m].
+    """
+
+    tessellation: Tessellation
+    displacement: FloatArray
+    stress: FloatArray
+    criterion: FloatArray
+    strain: FloatArray
+    traction: FloatArray
+    tangents: FloatArray
+    damage: FloatArray
+    opening: FloatArray
+
+
+@dataclass(frozen=True)
+class Step:
+    """One accepted step.
+
+    Attributes
+    ----------
+    number : int
+        1, 2, ...
+    gauge : float
+        The controlled quantity [m].
+    load : float
+        Load [N].
+    load_displacement : float
+        Mean displacement under the load, along it [m].
+    bodies, fine_bodies : int
+        Bodies, and those of them in the refined region.
+    refinements : int
+        Re-tessellations in this step.
+    iterations, factorizations : int
+        Nonlinear iterations and factorizations, repeats of the step included.
+    dissipated, stored, work : float
+        Energy dissipated so far, elastic energy now, work of the load so far [J].
+    max_elastic_utilisation : float
+        Largest effective traction over strength among elastic contacts.
+    residual : float
+        Relative force residual.
+    snapshot : Snapshot
+        The state.
+    """
+
+    number: int
+    gauge: float
+    load: float
+    load_displacement: float
+    bodies: int
+    fine_bodies: int
+    refinements: int
+    iterations: int
+    factorizations: int
+    dissipated: float
+    stored: float
+    work: float
+    max_elastic_utilisation: float
+    residual: float
+    snapshot: Snapshot
+
+
+@dataclass
+class _Path:
+    """Where the run stands: the last accepted state on the current discretization, and totals."""
+
+    system: System
+    now: Equilibrium
+    before: Equilibrium | None = None
+    number: int = 0
+    displacement: float = 0.0  # of the load
+    load: float = 0.0
+    dissipated: float = 0.0
+    work: float = 0.0
+    peak: float = 0.0
+
+
+class Simulation:
+    """One specimen, broken step by step.
+
+    Parameters
+    ----------
+    case : Case
+        What to do.
+    full : bool
+        Every nucleus is fine from the start: the reference for the adaptive run of the same case.
+
+    Raises
+    ------
+    InputError
+        Something in the case cannot be built.
+
+    Attributes
+    ----------
+    case, full : Case, bool
+        As given.
+    bodies_full, bodies_start : int
+        Bodies at full resolution, and at the start of this run.
+    initial_stiffness : float
+        Load over controlled quantity of the elastic structure at the start [N/m]; nan before the first step.
+    tessellation : Tessellation
+        The current discretization.
+    """
+
+    def __init__(self, case: Case, *, full: bool = False) -> None:
+        self.wall_start, self.cpu_start = time.perf_counter(), time.process_time()
+        self.case, self.full = case, full
+        self._criterion = criterion_named(case.adaptivity.criterion)
+        self._law = law_from_case(case)
+        self._material = material_from_case(case)
+        self._box = specimen_from_case(case)
+        self._conditions = conditions_from_case(case, self._box)
+        self._nuclei = nuclei_from_case(case, self._box)
+        self._region = region_from_case(case, self._box, full=full)
+        self.tessellation = self._discretize(self._region)
+        self._system = System(self.tessellation, self._material, self._law, self._conditions)
+        self.bodies_full = len(self._nuclei)
+        self.bodies_start = len(self.tessellation)
+        self.initial_stiffness = float("nan")
+
+    def _discretize(self, region: RefinedRegion) -> Tessellation:
+        return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x))
+
+    def _start(self) -> _Path:
+        """The unloaded structure; finds the initial stiffness on the way."""
+        system = self._system
+        try:
+            unit = settle(system, system.virgin(), 1.0)
+        except SingularMatrixError as error:
+            raise InputError("supports", f"the structure is a mechanism ({error})", "supports that hold it") from error
+        self.initial_stiffness = unit.load
+        rest = system.response(np.zeros(system.size), system.virgin())
+        return _Path(system, Equilibrium(rest, 0.0, 0.0))
+
+    def steps(self) -> Iterator[Step]:
+        """Accepted steps, until the target is reached.
+
+        Yields
+        ------
+        Step
+
+        Raises
+        ------
+        RunStopped
+            No equilibrium was found even with the smallest step; the steps yielded so far are valid.
+        """
+        control = self.case.control
+        solver = StepSolver(control.tolerance, control.max_iterations)
+        path = self._start()
+        length = StepLength.starting(control.first_step, control.max_step, control.min_step)
+        while path.now.value < control.target * (1.0 - 1e-9):
+            value = length.next_value(path.now.value, control.target)
+            attempt = self._attempt(path, solver, value)
+            if attempt is None:
+                shorter = length.halved()
+                if shorter is None:
+                    raise RunStopped(
+                        f"no equilibrium within {control.max_iterations} iterations, even with a step of"
+                        f" {length.length:.3g} m (control.min_step is {control.min_step:.3g} m)",
+                        path.number + 1,
+                        value,
+                    )
+                length = shorter
+                continue
+            step, last = attempt
+            length = length.after(last, value)
+            yield step
+
+    def _attempt(self, path: _Path, solver: StepSolver, value: float) -> tuple[Step, int] | None:
+        """One step with all its refinements; None when no equilibrium was found."""
+        iterations = refinements = factorizations = 0
+        while True:
+            system = path.system
+            counted = system.solver.factorizations
+            found = solver.solve(
+                system, path.now.response.history, value, self._guess(path, value), 0.05 * path.peak
+            )
+            factorizations += system.solver.factorizations - counted
+            if found is None:
+                return None
+            iterations += found.iterations
+            utilisation = system.elastic_utilisation(found.response)
+            stress = system.stress(found.response, found.load)
+            state = ElasticState(
+                system.tessellation, stress, np.full(len(system.tessellation), self._material.f_t), utilisation
+            )
+            criterion = np.where(system.tessellation.fine, np.nan, self._criterion(state))
+            critical = np.nan_to_num(criterion) > self.case.adaptivity.gamma
+            if not critical.any():
+                break
+            refinements += 1
+            if refinements > _MOST_REFINEMENTS:
+                raise RunStopped(
+                    f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, value
+                )
+            self._refine(path, system.tessellation.x[critical])
+            factorizations += path.system.solver.factorizations
+        step = self._accept(path, found, criterion, utilisation, stress)
+        return replace(
+            step, iterations=iterations, refinements=refinements, factorizations=factorizations
+        ), found.iterations
+
+    def _guess(self, path: _Path, value: float) -> tuple[FloatArray, float]:
+        """Displacements and load with which the iteration begins: extrapolated from the last two states."""
+        now, before = path.now, path.before
+        if before is None:
+            if now.value == 0.0:
+                unit = settle(path.system, now.response.history, value)
+                return unit.response.u, unit.load
+            ratio = value / now.value
+            return ratio * now.response.u, ratio * now.load
+        ratio = (value - now.value) / (now.value - before.value)
+        return (
+            now.response.u + ratio * (now.response.u - before.response.u),
+            now.load + ratio * (now.load - before.load),
+        )
+
+    def _refine(self, path: _Path, centers: FloatArray) -> None:
+        """Refine around critical centres and settle the last accepted state on the new discretization."""
+        old = path.system
+        history, pairs = path.now.response.history, old.pairs()
+        self._region = self._region.grown(centers)
+        self.tessellation = self._discretize(self._region)
+        path.system = System(self.tessellation, self._material, self._law, self._conditions)
+        history = transfer_history(pairs, history, path.system.pairs())
+        value = path.now.value
+        _log.info("refined to %d bodies at %.4g m", len(self.tessellation), value)
+        if value == 0.0:
+            rest = path.system.response(np.zeros(path.system.size), history)
+            path.now = Equilibrium(rest, 0.0, 0.0)
+        else:
+            path.now = settle(path.system, history, value)
+        path.before = None
+
+    def _accept(
+        self, path: _Path, found: Equilibrium, criterion: FloatArray, utilisation: FloatArray, stress: FloatArray
+    ) -> Step:
+        system = path.system
+        displacement = float(system.load @ found.response.u)
+        path.dissipated += float(system.dissipated(path.now.response, found.response).sum())
+        path.work += 0.5 * (path.load + found.load) * (displacement - path.displacement)
+        path.before, path.now = path.now, found
+        path.number += 1
+        path.displacement, path.load = displacement, found.load
+        path.peak = max(path.peak, abs(found.load))
+        return Step(
+            number=path.number,
+            gauge=found.value,
+            load=found.load,
+            load_displacement=displacement,
+            bodies=len(system.tessellation),
+            fine_bodies=int(system.tessellation.fine.sum()),
+            refinements=0,
+            iterations=found.iterations,
+            factorizations=0,
+            dissipated=path.dissipated,
+            stored=system.stored(found.response),
+            work=path.work,
+            max_elastic_utilisation=float(utilisation.max(initial=0.0)),
+            residual=found.norms.force,
+            snapshot=self._snapshot(system, found, criterion, stress),
+        )
+
+    def _snapshot(self, system: System, found: Equilibrium, criterion: FloatArray, stress: FloatArray) -> Snapshot:
+        contacts = system.tessellation.contacts
+        damage = np.zeros(len(contacts))
+        damage[system.active] = found.response.history[:, 0]
+        return Snapshot(
+            tessellation=system.tessellation,
+            displacement=found.response.u.reshape(-1, 6),
+            stress=stress,
+            criterion=criterion,
+            strain=found.response.strain,
+            traction=found.response.traction,
+            tangents=system.geometry.frame[:, 1:],
+            damage=damage,
+            opening=contacts.length * damage * np.maximum(found.response.strain[:, 0], 0.0),
+        )
