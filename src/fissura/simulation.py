@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from fissura.adaptivity import (
     ElasticState,
     RefinedRegion,
+    calibrated,
     criterion_named,
+    gauge_compliance,
     region_from_case,
     transfer_history,
 )
@@ -174,14 +176,27 @@ class Simulation:
         self._conditions = conditions_from_case(case, self._box)
         self._nuclei = nuclei_from_case(case, self._box)
         self._region = region_from_case(case, self._box, full=full)
+        self._compliance: float | None = None
+        if not full and case.adaptivity.calibrate:
+            whole = self._discretize(replace(self._region, everywhere=True))
+            self._compliance = gauge_compliance(self._equations(whole, 1.0))
         self.tessellation = self._discretize(self._region)
-        self._system = System(self.tessellation, self._material, self._law, self._conditions)
+        self._system = self._system_for(self.tessellation)
         self.bodies_full = len(self._nuclei)
         self.bodies_start = len(self.tessellation)
         self.initial_stiffness = float("nan")
 
     def _discretize(self, region: RefinedRegion) -> Tessellation:
         return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x))
+
+    def _equations(self, tessellation: Tessellation, elastic_scale: float) -> System:
+        return System(tessellation, self._material, self._law, self._conditions, elastic_scale)
+
+    def _system_for(self, tessellation: Tessellation) -> System:
+        """Equations of a discretization, its elastic part calibrated when the case asks for that."""
+        if self._compliance is None:
+            return self._equations(tessellation, 1.0)
+        return calibrated(lambda scale: self._equations(tessellation, scale), self._compliance)
 
     def _start(self) -> _Path:
         """The unloaded structure; finds the initial stiffness on the way."""
@@ -283,7 +298,7 @@ class Simulation:
         history, pairs = path.now.response.history, old.pairs()
         self._region = self._region.grown(centers)
         self.tessellation = self._discretize(self._region)
-        path.system = System(self.tessellation, self._material, self._law, self._conditions)
+        path.system = self._system_for(self.tessellation)
         history = transfer_history(pairs, history, path.system.pairs())
         value = path.now.value
         _log.info("refined to %d bodies at %.4g m", len(self.tessellation), value)

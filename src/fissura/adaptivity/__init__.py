@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fissura.adaptivity.calibration import calibrated, gauge_compliance
 from fissura.adaptivity.criterion import CRITERIA, ElasticState, criterion_named
 from fissura.adaptivity.region import RefinedRegion, region_from_case
 from fissura.adaptivity.transfer import transfer_history
@@ -10,7 +11,9 @@ __all__ = [
     "CRITERIA",
     "ElasticState",
     "RefinedRegion",
+    "calibrated",
     "criterion_named",
+    "gauge_compliance",
     "region_from_case",
     "transfer_history",
 ]

@@ -191,6 +191,7 @@ class Adaptivity(Part):
     r_f: PositiveLength = Field(default=math.nan, validate_default=False)
     r_c: PositiveLength = Field(default=math.nan, validate_default=False)
     notch_tips: Flag = True
+    calibrate: Flag = True
     regions: Annotated[tuple[Region, ...], BeforeValidator(as_tuple)] = ()
 
 

@@ -38,7 +38,7 @@ class Pattern:
     upper : (z',) array
         Entries on and above the diagonal.
     fixed : (y,) array
-        Entries to which `fixed_values` are added, from supports.
+        Entries to which `fixed_values`, the constant part, are added.
     fixed_values : (y,) array
         Their values [N/m, N, N m].
     """
@@ -63,27 +63,22 @@ class Pattern:
         return csr_array((data, self.indices, self.indptr), shape=(self.size, self.size))
 
 
-def pattern(geometry: Kinematics, supports: FloatArray, support_dofs: IntArray, stiffness: float) -> Pattern:
-    """Pattern for the contacts of a discretization and its supports.
+def pattern(geometry: Kinematics, constant: csr_array) -> Pattern:
+    """Pattern for the contacts of a discretization and a constant part.
 
     Parameters
     ----------
     geometry : Kinematics
         Contacts.
-    supports : (s, k) array
-        Rows of support functionals, restricted to the columns `support_dofs`.
-    support_dofs : (k,) array
-        Unknowns that supports touch.
-    stiffness : float
-        Penalty stiffness of each support [N/m].
+    constant : (6 n, 6 n) sparse array
+        Stiffness that never changes, such as that of supports; symmetric.
     """
     n = len(geometry.first) - 1
     i, j = geometry.bodies.T
-    held = [np.unique(support_dofs[row != 0.0] // 6) for row in supports]
-    cliques = [np.stack(np.meshgrid(b, b, indexing="ij"), axis=-1).reshape(-1, 2) for b in held]
-    rows = np.concatenate([i, j, np.arange(n), *(c[:, 0] for c in cliques)])
-    columns = np.concatenate([j, i, np.arange(n), *(c[:, 1] for c in cliques)])
-    keys = np.unique(rows * n + columns)
+    extra = constant.tocoo()
+    rows = np.concatenate([i, j, np.arange(n), extra.row // 6])
+    columns = np.concatenate([j, i, np.arange(n), extra.col // 6])
+    keys = np.unique(rows.astype(np.int64) * n + columns)
     block_row, block_column = keys // n, keys % n
     first = np.searchsorted(block_row, np.arange(n + 1))
     count = np.diff(first)
@@ -100,15 +95,9 @@ def pattern(geometry: Kinematics, supports: FloatArray, support_dofs: IntArray, 
     contact, side = geometry.adjacent // 2, geometry.adjacent % 2
     owner, other = geometry.bodies[contact, side], geometry.bodies[contact, 1 - side]
     of_row = np.repeat(np.arange(6 * n), lengths)
-    upper = np.flatnonzero(indices >= of_row)
-
-    entry, value = [np.empty(0, np.int64)], [np.empty(0)]
-    for row in supports:
-        touched = support_dofs[row != 0.0]
-        a, b = (g.ravel() for g in np.meshgrid(touched, touched, indexing="ij"))
-        entry.append(start[a // 6] + (a % 6) * stride[a // 6] + offset(a // 6, b // 6) + b % 6)
-        value.append(stiffness * np.outer(row[row != 0.0], row[row != 0.0]).ravel())
-    fixed, where = np.unique(np.concatenate(entry), return_inverse=True)
+    r, c = extra.row.astype(np.int64), extra.col.astype(np.int64)
+    entry = start[r // 6] + (r % 6) * stride[r // 6] + offset(r // 6, c // 6) + c % 6
+    fixed, where = np.unique(entry, return_inverse=True)
     return Pattern(
         indptr.astype(np.int32),
         indices.astype(np.int32),
@@ -116,9 +105,9 @@ def pattern(geometry: Kinematics, supports: FloatArray, support_dofs: IntArray, 
         stride,
         offset(np.arange(n), np.arange(n)),
         offset(owner, other),
-        upper,
+        np.flatnonzero(indices >= of_row),
         fixed,
-        np.bincount(where, np.concatenate(value), len(fixed)),
+        np.bincount(where, extra.data, len(fixed)),
     )
 
 
@@ -148,7 +137,7 @@ def _assemble(rows, volume, first, adjacent, tangent, start, stride, diagonal, o
 
 
 def assemble(geometry: Kinematics, form: Pattern, tangent: FloatArray) -> FloatArray:
-    """Entries of the stiffness matrix ``sum A L B^T (ds/de) B`` plus supports, in the order of the pattern.
+    """Entries of the stiffness matrix ``sum A L B^T (ds/de) B`` plus the constant part, in the order of the pattern.
 
     Parameters
     ----------

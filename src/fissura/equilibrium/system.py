@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from fissura.contact import (
     CusatisCedolin,
@@ -30,6 +31,9 @@ IntArray = NDArray[np.int64]
 #: Supports are this many times stiffer than a typical contact. Their displacement is then 1e-6 of the specimen's,
 #: and round-off still far below the tolerance of equilibrium.
 _SUPPORT_STIFFNESS = 1e5
+
+#: Share of a glued facet's rotational stiffness that contacts keep.
+_SPIN_STIFFNESS = 1e-6
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,8 @@ class System:
         Contact law of fine contacts.
     conditions : Conditions
         Supports, load and controlled quantity.
+    elastic_scale : float
+        Factor on the stiffness of elastic contacts, from :func:`calibrated`.
     """
 
     def __init__(
@@ -76,6 +82,7 @@ class System:
         material: Material,
         law: type[CusatisCedolin],
         conditions: Conditions,
+        elastic_scale: float = 1.0,
     ) -> None:
         contacts = tessellation.contacts
         self.tessellation = tessellation
@@ -86,7 +93,11 @@ class System:
         self.law = law.create(material, contacts.length[self.active])
         # Elastic contacts have no softening and hence no limit on their length: only their strength is asked for.
         self.elastic_law = law.create(material, np.full(len(self.passive), contacts.length.min()))
-        self.moduli = material.E * np.array([1.0, material.alpha, material.alpha])
+        self.elastic_scale = elastic_scale
+        self.moduli: FloatArray = np.tile(
+            material.E * np.array([1.0, material.alpha, material.alpha]), (len(contacts), 1)
+        )
+        self.moduli[self.passive] *= elastic_scale
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
         self.control: FloatArray = attach(conditions.control, tessellation).ravel()
 
@@ -96,11 +107,32 @@ class System:
         self.support_rows: FloatArray = rows[:, self.support_dofs]
         typical = material.E * float(np.median(contacts.area / contacts.length))
         self.support_stiffness = _SUPPORT_STIFFNESS * typical
-        self.pattern: Pattern = pattern(self.geometry, self.support_rows, self.support_dofs, self.support_stiffness)
+        self.constant: csr_array = self._supports(rows) + self._spin()
+        self.pattern: Pattern = pattern(self.geometry, self.constant)
         self.solver: DirectSolver = best_solver()(self.pattern)
         # Moments count as forces at the arm of half a contact.
         arm = 0.5 * float(np.median(contacts.length))
         self.weights: FloatArray = np.tile(np.repeat([1.0, 1.0 / arm], 3), len(tessellation))
+
+    def _supports(self, rows: FloatArray) -> csr_array:
+        """Stiffness of the supports."""
+        sparse = csr_array(rows)
+        return csr_array(self.support_stiffness * (sparse.T @ sparse))
+
+    def _spin(self) -> csr_array:
+        """A trace of rotational stiffness in every contact.
+
+        Contacts act at one point of their facets, so a body at a corner that touches only two others may spin freely about
+        the line between these points. The stiffness against relative rotation of a facet glued over its whole area,
+        ``E A^2 / (12 L)``, times a tiny factor stops that; it does no work in uniform strain, where rotations are equal.
+        """
+        contacts = self.tessellation.contacts
+        stiffness = _SPIN_STIFFNESS * self.material.E * contacts.area**2 / (12.0 * contacts.length)
+        i, j = (6 * contacts.bodies.T[:, :, None] + np.arange(3, 6)).reshape(2, -1)
+        k = np.repeat(stiffness, 3)
+        rows, columns = np.concatenate([i, j, i, j]), np.concatenate([i, j, j, i])
+        size = 6 * len(self.tessellation)
+        return csr_array((np.concatenate([k, k, -k, -k]), (rows, columns)), shape=(size, size))
 
     @property
     def size(self) -> int:
@@ -124,9 +156,7 @@ class System:
 
     def internal(self, traction: FloatArray, u: FloatArray) -> FloatArray:
         """Internal forces of given tractions [Pa], with the reactions of supports; shape (6 n,)."""
-        forces = nodal_forces(self.geometry, traction).ravel()
-        reaction = self.support_stiffness * (self.support_rows @ u[self.support_dofs])
-        forces[self.support_dofs] += reaction @ self.support_rows
+        forces: FloatArray = nodal_forces(self.geometry, traction).ravel() + self.constant @ u
         return forces
 
     def tangent(self, response: Response, history: FloatArray) -> FloatArray:
@@ -141,7 +171,7 @@ class System:
         stiffness = np.zeros((len(self.geometry), 3, 3))
         stiffness[:, range(3), range(3)] = self.moduli
         intact = 1.0 - history[:, 0]
-        stiffness[self.active[:, None], range(3), range(3)] = intact[:, None] * self.moduli
+        stiffness[self.active[:, None], range(3), range(3)] *= intact[:, None]
         return assemble(self.geometry, self.pattern, stiffness)
 
     def stored(self, response: Response) -> float:
@@ -158,7 +188,9 @@ class System:
     def elastic_utilisation(self, response: Response) -> FloatArray:
         """Effective traction over strength of elastic contacts, 0 for those with damage; shape (m,)."""
         out = np.zeros(len(self.geometry))
-        out[self.passive] = self.elastic_law.utilisation(response.strain[self.passive])
+        out[self.passive] = self.elastic_law.utilisation(
+            self.elastic_scale * response.strain[self.passive]
+        )
         return out
 
     def stress(self, response: Response, load: float) -> FloatArray:
@@ -170,3 +202,13 @@ class System:
         return body_stress(
             self.tessellation, self.geometry.frame, response.traction, owners(self.tessellation, points), points, forces
         )
+
+    def elastic_share(self) -> float:
+        """Part of the undamaged gauge compliance that is due to elastic contacts [m/N].
+
+        Needs a factorization of the undamaged stiffness.
+        """
+        solutions = self.solver.solve(np.stack([self.load, self.control], axis=1))
+        a, b = (contact_strains(self.geometry, np.ascontiguousarray(u).reshape(-1, 6)) for u in solutions.T)
+        each = self.geometry.volume * np.einsum("ca,ca,ca->c", a, self.moduli, b)
+        return float(each[self.passive].sum())

@@ -1,0 +1,88 @@
+import csv
+
+import numpy as np
+import pytest
+
+from fissura.errors import InputError
+from fissura.results.curve import COLUMNS, CurveWriter, columns, read_curve, row
+
+from .synthetic import step, steps
+
+
+def rows():
+    return [row(s, 0.1 * s.number, 0.2 * s.number) for s in steps([100.0, 250.0, 1 / 3])]
+
+
+def write(path, lines):
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def test_written_curve_reads_back(tmp_path):
+    writer = CurveWriter(tmp_path / "curve.csv")
+    for values in rows():
+        writer.write(values)
+    writer.close()
+    read, kept = read_curve(tmp_path / "curve.csv"), columns(rows())
+    assert tuple(read) == COLUMNS
+    for name in COLUMNS:
+        np.testing.assert_allclose(read[name], kept[name], rtol=1e-11)
+        assert read[name].dtype == kept[name].dtype
+    assert read["step"].dtype == np.int64
+    assert read["load_N"].dtype == np.float64
+
+
+def test_every_row_is_on_disk_before_the_file_is_closed(tmp_path):
+    writer = CurveWriter(tmp_path / "curve.csv")
+    assert len(read_curve(tmp_path)["step"]) == 0
+    for count, values in enumerate(rows(), 1):
+        writer.write(values)
+        assert len(read_curve(tmp_path)["step"]) == count
+    writer.close()
+
+
+def test_file_is_plain_csv_with_units_in_the_first_line(tmp_path):
+    writer = CurveWriter(tmp_path / "curve.csv")
+    writer.write(rows()[0])
+    writer.close()
+    with (tmp_path / "curve.csv").open(newline="") as file:
+        (read,) = csv.DictReader(file)
+    assert list(read)[:4] == ["step", "gauge_m", "load_N", "load_displacement_m"]
+    assert read["step"] == "1"
+    assert float(read["load_N"]) == 100.0
+
+
+def test_unknown_utilisation_survives(tmp_path):
+    writer = CurveWriter(tmp_path / "curve.csv")
+    writer.write(row(step(1, 1e-6, 5.0, max_elastic_utilisation=float("nan")), 0.0, 0.0))
+    writer.close()
+    assert np.isnan(read_curve(tmp_path)["max_elastic_utilisation"][0])
+
+
+def test_further_columns_are_kept(tmp_path):
+    header = ",".join([*COLUMNS, "mine"])
+    write(tmp_path / "curve.csv", [header, ",".join("1" for _ in range(len(COLUMNS) + 1))])
+    assert read_curve(tmp_path)["mine"] == [1.0]
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ([""], "has no column step"),
+        (["step,gauge_m", "1,2"], "has no column load_N"),
+        ([",".join(COLUMNS), "1,2"], "line 2: has 2 values"),
+        ([",".join(COLUMNS), ",".join(["1"] * (len(COLUMNS) - 1) + ["fast"])], "wall_s is 'fast'"),
+        ([",".join(COLUMNS), ",".join(["1.5"] + ["1"] * (len(COLUMNS) - 1))], "step is '1.5'"),
+    ],
+)
+def test_broken_files_say_what_is_wrong(tmp_path, lines, message):
+    with pytest.raises(InputError, match=message):
+        read_curve(write(tmp_path / "curve.csv", lines))
+
+
+def test_missing_and_binary_files(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        read_curve(tmp_path)
+    (tmp_path / "curve.csv").write_bytes(b"\xff\xfe\x00\x81")
+    with pytest.raises(InputError, match="not a CSV"):
+        read_curve(tmp_path)

@@ -1,0 +1,64 @@
+import matplotlib.image
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from fissura.errors import InputError
+from fissura.results import Recorder, compare_results, pictures
+from fissura.results.pictures import plot_curve
+
+from .synthetic import simulation, step
+
+
+def run(loads, refinements=0, **output):
+    recorder = Recorder(simulation(**output), None)
+    for k, load in enumerate(loads, 1):
+        recorder.add(step(k, 1e-5 * k, load, refinements=refinements))
+    return recorder.finish("finished")
+
+
+def shares(path):
+    """Part of the picture that each colour of the palette covers."""
+    pixels = matplotlib.image.imread(path)[..., :3]
+    return {
+        name: np.mean(np.abs(pixels - to_rgb(getattr(pictures, name))).max(axis=-1) < 0.02)
+        for name in ("BLUE", "ORANGE")
+    } | {"grey": np.mean(np.ptp(pixels, axis=-1) < 0.04) - np.mean(pixels.min(axis=-1) > 0.99)}
+
+
+def test_curve_and_refinements_are_drawn(tmp_path):
+    for name, refinements in (("plain", 0), ("refined", 1)):
+        plot_curve(run([100.0, 200.0, 150.0], refinements), tmp_path / f"{name}.png")
+    plain, refined = shares(tmp_path / "plain.png"), shares(tmp_path / "refined.png")
+    assert plain["BLUE"] > 1e-3
+    assert plain["ORANGE"] == 0
+    assert refined["ORANGE"] > 1e-4
+
+
+def test_measured_band_is_drawn(tmp_path):
+    band = tmp_path / "band.csv"
+    band.write_text("0.0,0,0\n0.01,50,180\n0.04,20,150\n")
+    plot_curve(run([100.0, 200.0, 150.0]), tmp_path / "without.png")
+    plot_curve(run([100.0, 200.0, 150.0], measured=str(band)), tmp_path / "with.png")
+    assert shares(tmp_path / "with.png")["grey"] > shares(tmp_path / "without.png")["grey"] + 0.1
+
+
+def test_missing_band_is_an_error(tmp_path):
+    band = tmp_path / "band.csv"
+    band.write_text("0.01,1,2\n")
+    result = run([1.0], measured=str(band))
+    band.unlink()
+    with pytest.raises(InputError, match=r"output\.measured"):
+        plot_curve(result, tmp_path / "curve.png")
+
+
+@pytest.mark.parametrize("loads", [[1.0], [-3.0, -5.0], [0.0], [2e6, 1e6]])
+def test_unusual_curves(tmp_path, loads):
+    plot_curve(run(loads), tmp_path / "curve.png")
+    assert matplotlib.image.imread(tmp_path / "curve.png").shape == (736, 1152, 4)
+
+
+def test_comparison(tmp_path):
+    a, b = run([100.0, 190.0, 150.0]), run([100.0, 200.0, 150.0, 140.0])
+    compare_results(a, b).plot(tmp_path / "compare.png")
+    assert shares(tmp_path / "compare.png")["BLUE"] > 1e-3

@@ -1,0 +1,137 @@
+import json
+import logging
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fissura.errors import InputError
+from fissura.results import Recorder, Result, read_curve
+
+from .synthetic import simulation, steps
+
+LOADS = [100.0, 200.0, 300.0, 250.0, 220.0, 200.0, 180.0, 150.0, 120.0, 100.0]
+
+
+def record(folder, loads=LOADS, **output):
+    recorder = Recorder(simulation(**output), folder)
+    for step in steps(loads):
+        recorder.add(step)
+    return recorder.finish("finished")
+
+
+def test_snapshots_are_evenly_spaced_plus_peak_and_last():
+    assert list(record(None, vtk=2).snapshots) == [3, 5, 10]
+    assert list(record(None, vtk=4).snapshots) == [3, 5, 8, 10]
+    assert list(record(None, vtk=0).snapshots) == [3, 10]
+
+
+def test_a_long_step_stands_for_several_snapshots():
+    recorder = Recorder(simulation(vtk=5), None)
+    for step in steps([10.0, 20.0]):
+        recorder.add(step)
+    assert list(recorder.finish("finished").snapshots) == [1, 2]
+
+
+def test_files_of_a_run(tmp_path):
+    folder = tmp_path / "new" / "run"
+    result = record(folder)
+    vtu = {f"{kind}_{number:04d}.vtu" for kind in ("bodies", "contacts") for number in (3, 5, 10)}
+    others = {
+        "bodies.pvd", "contacts.pvd", "case.json", "curve.csv", "curve.png", "crack.png", "summary.json",
+        "state_last.npz",
+    }  # fmt: skip
+    assert {p.name for p in folder.iterdir()} == vtu | others
+    assert all(p.stat().st_size > 0 for p in folder.iterdir())
+    assert result.folder == folder
+
+
+def test_no_vtk_files_when_none_are_wanted(tmp_path):
+    record(tmp_path, vtk=0)
+    assert not [p for p in tmp_path.iterdir() if p.suffix in (".vtu", ".pvd")]
+
+
+def test_result_reloads(tmp_path):
+    result = record(tmp_path)
+    again = Result.load(tmp_path)
+    assert again.case == result.case
+    assert again.summary == result.summary
+    assert again.full is False
+    for name, values in result.curve.items():
+        np.testing.assert_allclose(again.curve[name], values, rtol=1e-11)
+    assert list(again.snapshots) == [10]
+    np.testing.assert_array_equal(again.last.opening, result.last.opening)
+
+
+def test_a_killed_run_keeps_its_curve_and_summary(tmp_path):
+    recorder = Recorder(simulation(), tmp_path)
+    for count, step in enumerate(steps(LOADS)[:4], 1):
+        recorder.add(step)
+        assert len(read_curve(tmp_path)["step"]) == count
+    result = Result.load(tmp_path)
+    assert result.summary["status"] == "running"
+    assert result.peak_load == 300.0
+    assert result.snapshots == {}
+    recorder.finish("interrupted")
+
+
+def test_text_of_the_case_is_copied(tmp_path):
+    source = "# as written\n"
+    plain = simulation()
+    plain.case.__dict__["source"] = source
+    Recorder(plain, tmp_path).finish("stopped", "nothing happened")
+    assert (tmp_path / "case.toml").read_text() == source
+    assert json.loads((tmp_path / "case.json").read_text())["seed"] == 7
+
+
+def test_run_without_steps(tmp_path):
+    result = Recorder(simulation(), tmp_path).finish("stopped", "no equilibrium in the first step")
+    assert result.steps == 0
+    assert np.isnan(result.peak_load)
+    assert "no equilibrium" in repr(result)
+    assert "no equilibrium" in repr(Result.load(tmp_path))
+    assert not (tmp_path / "curve.png").exists()
+
+
+def test_files_of_an_earlier_run_are_removed_and_others_kept(tmp_path):
+    record(tmp_path, vtk=5)
+    (tmp_path / "notes.txt").write_text("mine")
+    record(tmp_path, LOADS[:1], vtk=0)
+    assert not list(tmp_path.glob("*.vtu"))
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    assert len(read_curve(tmp_path)["step"]) == 1
+
+
+def test_folder_that_is_a_file(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        Recorder(simulation(), tmp_path / "file")
+
+
+def test_times_count_from_the_start_of_the_simulation():
+    started = SimpleNamespace(**vars(simulation()), cpu_start=-1000.0, wall_start=-2000.0)
+    recorder = Recorder(started, None)
+    recorder.add(steps(LOADS)[0])
+    result = recorder.finish("finished")
+    assert result.curve["cpu_s"][0] > 1000
+    assert result.summary["wall_s"] > 2000
+
+
+def test_warnings_are_logged(caplog):
+    recorder = Recorder(simulation(), None)
+    for step in steps(LOADS, max_elastic_utilisation=1.5):
+        recorder.add(step)
+    with caplog.at_level(logging.WARNING):
+        recorder.finish("finished")
+    assert "1.50 times their strength" in caplog.text
+
+
+def test_run_survives_a_measured_band_that_has_gone(tmp_path, caplog):
+    band = tmp_path / "band.csv"
+    band.write_text("0.01,1,2\n")
+    recorder = Recorder(simulation(measured=str(band)), tmp_path / "run")
+    band.unlink()
+    recorder.add(steps(LOADS)[0])
+    recorder.finish("finished")
+    assert "curve.png was not drawn" in caplog.text
+    assert Result.load(tmp_path / "run").case.output.measured == band
