@@ -179,7 +179,7 @@ class Simulation:
         self._compliance: float | None = None
         if not full and case.adaptivity.calibrate:
             whole = self._discretize(replace(self._region, everywhere=True))
-            self._compliance = gauge_compliance(self._equations(whole, 1.0))
+            self._compliance = gauge_compliance(self._equations(whole))
         self.tessellation = self._discretize(self._region)
         self._system = self._system_for(self.tessellation)
         self.bodies_full = len(self._nuclei)
@@ -189,14 +189,13 @@ class Simulation:
     def _discretize(self, region: RefinedRegion) -> Tessellation:
         return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x))
 
-    def _equations(self, tessellation: Tessellation, elastic_scale: float) -> System:
-        return System(tessellation, self._material, self._law, self._conditions, elastic_scale)
+    def _equations(self, tessellation: Tessellation) -> System:
+        return System(tessellation, self._material, self._law, self._conditions)
 
     def _system_for(self, tessellation: Tessellation) -> System:
         """Equations of a discretization, its elastic part calibrated when the case asks for that."""
-        if self._compliance is None:
-            return self._equations(tessellation, 1.0)
-        return calibrated(lambda scale: self._equations(tessellation, scale), self._compliance)
+        system = self._equations(tessellation)
+        return system if self._compliance is None else calibrated(system, self._compliance)
 
     def _start(self) -> _Path:
         """The unloaded structure; finds the initial stiffness on the way."""

@@ -9,7 +9,6 @@ the gauge opens under unit load exactly as at full resolution.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 
 from fissura.equilibrium import System
 
@@ -28,30 +27,33 @@ def gauge_compliance(system: System) -> float:
     return float(system.control @ system.solver.solve(system.load))
 
 
-def calibrated(build: Callable[[float], System], target: float) -> System:
-    """Build a system whose undamaged gauge compliance is the given one.
+def calibrated(system: System, target: float) -> System:
+    """Calibrate a system so that its undamaged gauge compliance is the given one.
 
     Compliance is close to linear in the inverse of the factor; the slope is the mutual energy of the elastic contacts under
     the load and under a unit force at the gauge.
 
     Parameters
     ----------
-    build : callable
-        Makes the system for a factor on the stiffness of elastic contacts.
+    system : System
+        Equations of a discretization.
     target : float
         Compliance at full resolution [m/N].
+
+    Returns
+    -------
+    System
+        The same equations with elastic contacts scaled.
     """
-    scale = 1.0
-    system = build(scale)
     for _ in range(4):
         compliance = gauge_compliance(system)
         if abs(compliance / target - 1.0) < _ACCURACY or not len(system.passive):
             break
-        slope = system.elastic_share() * scale
+        slope = system.elastic_share() * system.elastic_scale
         if abs(slope) < _SMALLEST_SHARE * target:
             break
-        inverse = 1.0 / scale + (target - compliance) / slope
+        inverse = 1.0 / system.elastic_scale + (target - compliance) / slope
         scale = min(max(1.0 / inverse, _LIMITS[0]), _LIMITS[1]) if inverse > 0.0 else _LIMITS[1]
-        system = build(scale)
-    _log.info("stiffness of elastic contacts times %.4f", scale)
+        system = system.scaled(scale)
+    _log.info("stiffness of elastic contacts times %.4f", system.elastic_scale)
     return system

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,10 +95,7 @@ class System:
         # Elastic contacts have no softening and hence no limit on their length: only their strength is asked for.
         self.elastic_law = law.create(material, np.full(len(self.passive), contacts.length.min()))
         self.elastic_scale = elastic_scale
-        self.moduli: FloatArray = np.tile(
-            material.E * np.array([1.0, material.alpha, material.alpha]), (len(contacts), 1)
-        )
-        self.moduli[self.passive] *= elastic_scale
+        self.moduli = self._moduli(elastic_scale)
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
         self.control: FloatArray = attach(conditions.control, tessellation).ravel()
 
@@ -113,6 +111,19 @@ class System:
         # Moments count as forces at the arm of half a contact.
         arm = 0.5 * float(np.median(contacts.length))
         self.weights: FloatArray = np.tile(np.repeat([1.0, 1.0 / arm], 3), len(tessellation))
+
+    def _moduli(self, elastic_scale: float) -> FloatArray:
+        """Stiffness of the three strain components of every contact [Pa], shape (m, 3)."""
+        moduli = np.tile(self.material.E * np.array([1.0, self.material.alpha, self.material.alpha]), (len(self.geometry), 1))
+        moduli[self.passive] *= elastic_scale
+        return moduli
+
+    def scaled(self, elastic_scale: float) -> System:
+        """The same equations with another factor on the stiffness of elastic contacts; everything else is shared."""
+        other = copy(self)
+        other.elastic_scale = elastic_scale
+        other.moduli = other._moduli(elastic_scale)
+        return other
 
     def _supports(self, rows: FloatArray) -> csr_array:
         """Stiffness of the supports."""
