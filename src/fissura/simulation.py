@@ -203,7 +203,9 @@ class Simulation:
         try:
             unit = settle(system, system.virgin(), 1.0)
         except SingularMatrixError as error:
-            raise InputError("supports", f"the structure is a mechanism ({error})", "supports that hold it") from error
+            raise InputError(
+                "supports", f"the structure is a mechanism ({error})", "supports that hold it"
+            ) from error
         self.initial_stiffness = unit.load
         rest = system.response(np.zeros(system.size), system.virgin())
         return _Path(system, Equilibrium(rest, 0.0, 0.0))
@@ -258,7 +260,10 @@ class Simulation:
             utilisation = system.elastic_utilisation(found.response)
             stress = system.stress(found.response, found.load)
             state = ElasticState(
-                system.tessellation, stress, np.full(len(system.tessellation), self._material.f_t), utilisation
+                system.tessellation,
+                stress,
+                np.full(len(system.tessellation), self._material.f_t),
+                utilisation,
             )
             criterion = np.where(system.tessellation.fine, np.nan, self._criterion(state))
             critical = np.nan_to_num(criterion) > self.case.adaptivity.gamma
@@ -309,7 +314,12 @@ class Simulation:
         path.before = None
 
     def _accept(
-        self, path: _Path, found: Equilibrium, criterion: FloatArray, utilisation: FloatArray, stress: FloatArray
+        self,
+        path: _Path,
+        found: Equilibrium,
+        criterion: FloatArray,
+        utilisation: FloatArray,
+        stress: FloatArray,
     ) -> Step:
         system = path.system
         displacement = float(system.load @ found.response.u)
@@ -337,7 +347,9 @@ class Simulation:
             snapshot=self._snapshot(system, found, criterion, stress),
         )
 
-    def _snapshot(self, system: System, found: Equilibrium, criterion: FloatArray, stress: FloatArray) -> Snapshot:
+    def _snapshot(
+        self, system: System, found: Equilibrium, criterion: FloatArray, stress: FloatArray
+    ) -> Snapshot:
         contacts = system.tessellation.contacts
         damage = np.zeros(len(contacts))
         damage[system.active] = found.response.history[:, 0]

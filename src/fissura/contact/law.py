@@ -192,7 +192,9 @@ class CusatisCedolin:
     omega0: float
 
     @classmethod
-    def create(cls, material: Material, length: FloatArray, scale: FloatArray | None = None) -> CusatisCedolin:
+    def create(
+        cls, material: Material, length: FloatArray, scale: FloatArray | None = None
+    ) -> CusatisCedolin:
         """Prepare the law for contacts of given lengths.
 
         Raises
@@ -235,10 +237,22 @@ class CusatisCedolin:
         m = self.material
         return (m.E, m.alpha, m.f_t, m.f_s, m.f_c, m.K_c, m.mu, m.beta, m.n_c, self.omega0)
 
-    def _run(self, strain: FloatArray, history: FloatArray, tangent: FloatArray, with_tangent: bool) -> tuple[FloatArray, FloatArray]:
+    def _run(
+        self, strain: FloatArray, history: FloatArray, tangent: FloatArray, with_tangent: bool
+    ) -> tuple[FloatArray, FloatArray]:
         traction, new = np.empty_like(strain), np.empty_like(history)
         _respond(
-            strain, history, self.scale, self.k_t, self.k_s, self.n_t, self._parameters(), traction, new, tangent, with_tangent
+            strain,
+            history,
+            self.scale,
+            self.k_t,
+            self.k_s,
+            self.n_t,
+            self._parameters(),
+            traction,
+            new,
+            tangent,
+            with_tangent,
         )
         return traction, new
 

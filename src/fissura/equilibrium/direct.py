@@ -80,7 +80,9 @@ class MklPardiso:
             if solver is None:
                 matrix = self._upper(data) if symmetric else self.form.matrix(data)
                 kind = pymklpardiso.MTYPE_REAL_SYM_POSDEF if symmetric else pymklpardiso.MTYPE_REAL_NONSYM
-                solver = pymklpardiso.PardisoSolver(matrix, kind, self._ORDERING if symmetric else self._PLAIN)
+                solver = pymklpardiso.PardisoSolver(
+                    matrix, kind, self._ORDERING if symmetric else self._PLAIN
+                )
                 self._solvers[symmetric] = solver
             else:
                 solver.refactor(data[self.form.upper] if symmetric else data)  # type: ignore[attr-defined]
@@ -118,7 +120,10 @@ class SuperLU:
         options = {"SymmetricMode": True}
         try:
             self._lu = splu(
-                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0 if symmetric else 0.01, options=options
+                matrix,
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0 if symmetric else 0.01,
+                options=options,
             )
         except RuntimeError as error:
             raise SingularMatrixError(str(error)) from error

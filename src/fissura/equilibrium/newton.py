@@ -223,7 +223,11 @@ class StepSolver:
             following = self._try(trial.response.u + cut * du, trial.load + cut * more)
             if best is None or following.size < best.size:
                 best = following
-            if best.size < (1.0 - 0.1 * cut) * trial.size or gap != 0.0 and abs(gap) > 1e-9 * abs(self._value):
+            if (
+                best.size < (1.0 - 0.1 * cut) * trial.size
+                or gap != 0.0
+                and abs(gap) > 1e-9 * abs(self._value)
+            ):
                 break
             cut *= 0.5
         assert best is not None

@@ -114,7 +114,10 @@ class System:
 
     def _moduli(self, elastic_scale: float) -> FloatArray:
         """Stiffness of the three strain components of every contact [Pa], shape (m, 3)."""
-        moduli = np.tile(self.material.E * np.array([1.0, self.material.alpha, self.material.alpha]), (len(self.geometry), 1))
+        moduli = np.tile(
+            self.material.E * np.array([1.0, self.material.alpha, self.material.alpha]),
+            (len(self.geometry), 1),
+        )
         moduli[self.passive] *= elastic_scale
         return moduli
 
@@ -199,9 +202,7 @@ class System:
     def elastic_utilisation(self, response: Response) -> FloatArray:
         """Effective traction over strength of elastic contacts, 0 for those with damage; shape (m,)."""
         out = np.zeros(len(self.geometry))
-        out[self.passive] = self.elastic_law.utilisation(
-            self.elastic_scale * response.strain[self.passive]
-        )
+        out[self.passive] = self.elastic_law.utilisation(self.elastic_scale * response.strain[self.passive])
         return out
 
     def stress(self, response: Response, load: float) -> FloatArray:
@@ -211,7 +212,12 @@ class System:
         points = np.concatenate([functional.points for functional, _ in acting])
         forces = np.concatenate([size * functional.coefficients for functional, size in acting])
         return body_stress(
-            self.tessellation, self.geometry.frame, response.traction, owners(self.tessellation, points), points, forces
+            self.tessellation,
+            self.geometry.frame,
+            response.traction,
+            owners(self.tessellation, points),
+            points,
+            forces,
         )
 
     def elastic_share(self) -> float:

@@ -82,7 +82,11 @@ def patch_from_part(part: PatchPart, box: Box, spacing: float, key: str) -> Patc
     plane = size[axis] * side
     if part.point is not None:
         point = np.asarray(part.point, float)
-        if abs(point[axis] - plane) > tolerance or np.any(point < -tolerance) or np.any(point > size + np.full(3, tolerance)):
+        if (
+            abs(point[axis] - plane) > tolerance
+            or np.any(point < -tolerance)
+            or np.any(point > size + np.full(3, tolerance))
+        ):
             raise InputError(
                 f"{key}.point",
                 f"({', '.join(f'{v:g}' for v in point)}) m is not on the face {part.face!r}",

@@ -68,9 +68,7 @@ class MirrorZones:
 
 def _zone(notch: Notch, l_f: float, l_c: float) -> tuple[FloatArray, FloatArray]:
     lower, upper = np.zeros(3), np.asarray(notch.size, float).copy()
-    half = min(
-        0.5 * notch.width + l_f + l_c, notch.position, notch.size[notch.normal] - notch.position
-    )
+    half = min(0.5 * notch.width + l_f + l_c, notch.position, notch.size[notch.normal] - notch.position)
     lower[notch.normal], upper[notch.normal] = notch.position - half, notch.position + half
     if notch.side == 0:
         upper[notch.axis] = min(upper[notch.axis], notch.root + REACH * l_f)

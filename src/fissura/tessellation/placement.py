@@ -229,7 +229,20 @@ def _place(size, l, zl, zu, za, zp, zc, void_lower, void_upper, given, rng, max_
                         if low[0] >= size[0] or low[1] >= size[1] or low[2] >= size[2]:
                             continue
                         if _dead(
-                            low, high, zl, zu, za, zp, zc, void_lower, void_upper, x[:n], grid, shape, cell, l2
+                            low,
+                            high,
+                            zl,
+                            zu,
+                            za,
+                            zp,
+                            zc,
+                            void_lower,
+                            void_upper,
+                            x[:n],
+                            grid,
+                            shape,
+                            cell,
+                            l2,
                         ):
                             continue
                         kept += 1

@@ -63,11 +63,15 @@ def _areas(points, offsets):  # type: ignore[no-untyped-def]
             continue
         for m in range(first + 1, last - 1):
             a, b = points[m] - origin, points[m + 1] - origin
-            part = 0.5 * (
-                (a[1] * b[2] - a[2] * b[1]) * vector[k, 0]
-                + (a[2] * b[0] - a[0] * b[2]) * vector[k, 1]
-                + (a[0] * b[1] - a[1] * b[0]) * vector[k, 2]
-            ) / size
+            part = (
+                0.5
+                * (
+                    (a[1] * b[2] - a[2] * b[1]) * vector[k, 0]
+                    + (a[2] * b[0] - a[0] * b[2]) * vector[k, 1]
+                    + (a[0] * b[1] - a[1] * b[0]) * vector[k, 2]
+                )
+                / size
+            )
             for i in range(3):
                 centroid[k, i] += part / size * (a[i] + b[i]) / 3.0
         centroid[k] += origin
