@@ -207,9 +207,7 @@ def require_memory(case: Case, *, full: bool = False) -> None:
     size = " x ".join(f"{length:g}" for length in case.specimen.size)
     problem = f"{l_f:g} m in a specimen of {size} m means about {bodies:.2g} bodies"
     if bodies > MOST_BODIES:
-        raise InputError(
-            "discretization.l_f", problem, f"a spacing that gives at most {MOST_BODIES:.0e} bodies"
-        )
+        raise InputError("discretization.l_f", problem, f"a spacing that gives at most {MOST_BODIES:.0e} bodies")
     need = bodies * BYTES_PER_NUCLEUS
     if full:
         need = max(need, estimate_memory(bodies))

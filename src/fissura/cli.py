@@ -120,9 +120,7 @@ def _warnings(console: Console) -> Iterator[_Warnings]:
 def run(
     case: CaseArgument,
     full: Annotated[bool, typer.Option("--full", help="Full resolution everywhere, no adaptivity.")] = False,
-    output: Annotated[
-        Path | None, typer.Option(help="Folder for the results.", show_default="results/NAME")
-    ] = None,
+    output: Annotated[Path | None, typer.Option(help="Folder for the results.", show_default="results/NAME")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace earlier results there.")] = False,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed, instead of that of the case.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print errors and warnings only.")] = False,
@@ -183,9 +181,7 @@ def new(
     """Print a commented case to start from: fissura new beam > case.toml."""
     with _errors():
         folder = files("fissura") / "templates"
-        known = {
-            item.name.removesuffix(".toml"): item for item in folder.iterdir() if item.name.endswith(".toml")
-        }
+        known = {item.name.removesuffix(".toml"): item for item in folder.iterdir() if item.name.endswith(".toml")}
         if list_:
             for name in sorted(known):
                 first = known[name].read_text(encoding="utf-8").splitlines()[0]
@@ -201,9 +197,7 @@ def new(
 def compare(
     a: Annotated[Path, typer.Argument(metavar="A", help="Result folder.", show_default=False)],
     b: Annotated[Path, typer.Argument(metavar="B", help="Result folder: the reference.", show_default=False)],
-    plot: Annotated[
-        Path | None, typer.Option(help="File for the picture.", show_default="A/compare.png")
-    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="File for the picture.", show_default="A/compare.png")] = None,
 ) -> None:
     """Compare two runs: a table of differences, and a picture of both curves."""
     with _errors():
@@ -218,9 +212,7 @@ def compare(
             _say(f"error: {picture}: cannot be written: {error.strerror or error}")
             raise typer.Exit(NOT_WRITTEN) from None
         except ValueError as error:  # matplotlib does not know the file's type
-            raise InputError(
-                "--plot", f"{picture}: {error}", "a name that ends in .png, .pdf or .svg"
-            ) from None
+            raise InputError("--plot", f"{picture}: {error}", "a name that ends in .png, .pdf or .svg") from None
         typer.echo(f"picture: {picture}")
 
 

@@ -81,14 +81,9 @@ class RunProgress:
         now = time.monotonic()
         self._recent.clear()
         self._recent.append((now, 0.0))
-        kind = (
-            "full resolution"
-            if simulation.full
-            else f"adaptive, full resolution has {simulation.bodies_full}"
-        )
+        kind = "full resolution" if simulation.full else f"adaptive, full resolution has {simulation.bodies_full}"
         self._print(
-            f"{simulation.case.name}: {simulation.bodies_start} bodies ({kind}), "
-            f"built in {duration(now - self._start)}"
+            f"{simulation.case.name}: {simulation.bodies_start} bodies ({kind}), built in {duration(now - self._start)}"
         )
         if self._bar is not None:
             self._bar.update(self._task, description="first step")
@@ -102,16 +97,10 @@ class RunProgress:
         if self._bar is not None:
             self._bar.update(self._task, description=text, completed=self._fraction(step.gauge))
             if step.refinements:
-                self._print(
-                    f"step {step.number}: {_count(step.refinements, 'refinement')}, {step.bodies} bodies"
-                )
+                self._print(f"step {step.number}: {_count(step.refinements, 'refinement')}, {step.bodies} bodies")
             return
         seconds, gauge = now - self._shown[0], step.gauge - self._shown[1]
-        if (
-            step.refinements
-            or seconds >= EVERY_SECONDS
-            or gauge >= EVERY_FRACTION * self._target * (1 - 1e-9)
-        ):
+        if step.refinements or seconds >= EVERY_SECONDS or gauge >= EVERY_FRACTION * self._target * (1 - 1e-9):
             self._shown = (now, step.gauge)
             self._print(f"{100 * self._fraction(step.gauge):3.0f} %  {text}")
 

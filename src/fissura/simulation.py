@@ -203,9 +203,7 @@ class Simulation:
         try:
             unit = settle(system, system.virgin(), 1.0)
         except SingularMatrixError as error:
-            raise InputError(
-                "supports", f"the structure is a mechanism ({error})", "supports that hold it"
-            ) from error
+            raise InputError("supports", f"the structure is a mechanism ({error})", "supports that hold it") from error
         self.initial_stiffness = unit.load
         rest = system.response(np.zeros(system.size), system.virgin())
         return _Path(system, Equilibrium(rest, 0.0, 0.0))
@@ -250,9 +248,7 @@ class Simulation:
         while True:
             system = path.system
             counted = system.solver.factorizations
-            found = solver.solve(
-                system, path.now.response.history, value, self._guess(path, value), 0.05 * path.peak
-            )
+            found = solver.solve(system, path.now.response.history, value, self._guess(path, value), 0.05 * path.peak)
             factorizations += system.solver.factorizations - counted
             if found is None:
                 return None
@@ -271,9 +267,7 @@ class Simulation:
                 break
             refinements += 1
             if refinements > _MOST_REFINEMENTS:
-                raise RunStopped(
-                    f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, value
-                )
+                raise RunStopped(f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, value)
             self._refine(path, system.tessellation.x[critical])
             factorizations += path.system.solver.factorizations
         step = self._accept(path, found, criterion, utilisation, stress)
@@ -347,9 +341,7 @@ class Simulation:
             snapshot=self._snapshot(system, found, criterion, stress),
         )
 
-    def _snapshot(
-        self, system: System, found: Equilibrium, criterion: FloatArray, stress: FloatArray
-    ) -> Snapshot:
+    def _snapshot(self, system: System, found: Equilibrium, criterion: FloatArray, stress: FloatArray) -> Snapshot:
         contacts = system.tessellation.contacts
         damage = np.zeros(len(contacts))
         damage[system.active] = found.response.history[:, 0]

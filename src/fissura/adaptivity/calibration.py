@@ -1,9 +1,9 @@
 """Elastic calibration of the coarse part.
 
-Elastic behaviour does not depend on body size in the bulk (theory section 2), but a layer one body thick along every surface is
-biased, and coarse bodies have thick layers. One elastic solution at full resolution removes what this does to the measured
-stiffness: elastic contacts of every coarser discretization of the specimen get one common factor on their stiffness, such that
-the gauge opens under unit load exactly as at full resolution.
+Elastic behaviour does not depend on body size in the bulk (theory section 2), but a layer one body thick along every
+surface is biased, and coarse bodies have thick layers. One elastic solution at full resolution removes what this does
+to the measured stiffness: elastic contacts of every coarser discretization of the specimen get one common factor on
+their stiffness, such that the gauge opens under unit load exactly as at full resolution.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ def gauge_compliance(system: System) -> float:
 def calibrated(system: System, target: float) -> System:
     """Calibrate a system so that its undamaged gauge compliance is the given one.
 
-    Compliance is close to linear in the inverse of the factor; the slope is the mutual energy of the elastic contacts under
-    the load and under a unit force at the gauge.
+    Compliance is close to linear in the inverse of the factor; the slope is the mutual energy of the elastic contacts
+    under the load and under a unit force at the gauge.
 
     Parameters
     ----------

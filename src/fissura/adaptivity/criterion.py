@@ -43,8 +43,8 @@ class ElasticState:
 
 def rankine(state: ElasticState) -> FloatArray:
     """Largest principal stress of each body over its tensile strength."""
-    principal: FloatArray = np.linalg.eigvalsh(state.stress)[:, -1]
-    return principal / state.strength
+    principal = np.linalg.eigvalsh(state.stress)[:, -1]
+    return np.asarray(principal / state.strength, dtype=np.float64)
 
 
 def utilisation(state: ElasticState) -> FloatArray:

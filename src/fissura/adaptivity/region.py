@@ -59,7 +59,7 @@ class RefinedRegion:
     everywhere: bool = False
 
     def grown(self, centers: FloatArray) -> RefinedRegion:
-        """This region with further critical centres, shape (k, 3)."""
+        """The same region with further critical centres, shape (k, 3)."""
         return replace(self, centers=np.unique(np.concatenate([self.centers, centers]), axis=0))
 
     def distance(self, x: FloatArray) -> FloatArray:

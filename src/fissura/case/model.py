@@ -216,13 +216,9 @@ class Control(Part):
         if self.max_step > limit * (1 + 1e-9):
             fail(f"{self.max_step:g} m is larger than target/50", f"at most {limit:g} m", "max_step")
         if self.first_step > self.max_step:
-            fail(
-                f"{self.first_step:g} m is larger than max_step", f"at most {self.max_step:g} m", "first_step"
-            )
+            fail(f"{self.first_step:g} m is larger than max_step", f"at most {self.max_step:g} m", "first_step")
         if self.min_step > self.first_step:
-            fail(
-                f"{self.min_step:g} m is larger than first_step", f"at most {self.first_step:g} m", "min_step"
-            )
+            fail(f"{self.min_step:g} m is larger than first_step", f"at most {self.first_step:g} m", "min_step")
         return self
 
 

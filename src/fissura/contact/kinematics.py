@@ -31,7 +31,8 @@ class Kinematics:
     volume : (m,) array
         ``A L`` [m^3], so that virtual work is ``sum A L s . e``.
     first, adjacent : (n + 1,), (2 m,) array
-        Contacts of body ``b`` are ``adjacent[first[b]:first[b + 1]]``: ``2 c`` where it is ``i``, ``2 c + 1`` where it is ``j``.
+        Contacts of body ``b`` are ``adjacent[first[b]:first[b + 1]]``: ``2 c`` where it is the ``i`` of contact ``c``,
+        ``2 c + 1`` where it is the ``j``.
     """
 
     bodies: IntArray

@@ -68,7 +68,9 @@ def transition_angle(material: Material) -> float:
 
 
 @njit(cache=True)
-def _respond(strain, history, scale, k_t, k_s, n_t, par, traction, new, tangent, with_tangent):  # type: ignore[no-untyped-def]
+def _respond(  # type: ignore[no-untyped-def]
+    strain, history, scale, k_t, k_s, n_t, par, traction, new, tangent, with_tangent
+):
     E, alpha, f_t0, f_s0, f_c0, k_c, mu, beta, n_c, omega0 = par
     root_alpha = np.sqrt(alpha)
     for c in range(len(strain)):
@@ -192,9 +194,7 @@ class CusatisCedolin:
     omega0: float
 
     @classmethod
-    def create(
-        cls, material: Material, length: FloatArray, scale: FloatArray | None = None
-    ) -> CusatisCedolin:
+    def create(cls, material: Material, length: FloatArray, scale: FloatArray | None = None) -> CusatisCedolin:
         """Prepare the law for contacts of given lengths.
 
         Raises

@@ -21,8 +21,8 @@ IntArray = NDArray[np.int64]
 class Pattern:
     """Compressed rows of the stiffness matrix, fixed for one discretization.
 
-    The six rows of body ``b`` follow each other; each holds the same blocks of six columns, so that entry ``(a, d)`` of block ``k``
-    lies at ``start[b] + a * stride[b] + 6 k + d``.
+    The six rows of body ``b`` follow each other; each holds the same blocks of six columns, so that entry ``(a, d)`` of
+    block ``k`` lies at ``start[b] + a * stride[b] + 6 k + d``.
 
     Attributes
     ----------
@@ -107,12 +107,14 @@ def pattern(geometry: Kinematics, constant: csr_array) -> Pattern:
         offset(owner, other),
         np.flatnonzero(indices >= of_row),
         fixed,
-        np.bincount(where, extra.data, len(fixed)),
+        np.asarray(np.bincount(where, extra.data, len(fixed)), dtype=np.float64),
     )
 
 
 @njit(cache=True)
-def _assemble(rows, volume, first, adjacent, tangent, start, stride, diagonal, opposite, data):  # type: ignore[no-untyped-def]
+def _assemble(  # type: ignore[no-untyped-def]
+    rows, volume, first, adjacent, tangent, start, stride, diagonal, opposite, data
+):
     scaled = np.empty((6, 3))
     for body in range(len(start)):
         own = start[body] + diagonal[body]

@@ -80,9 +80,7 @@ class MklPardiso:
             if solver is None:
                 matrix = self._upper(data) if symmetric else self.form.matrix(data)
                 kind = pymklpardiso.MTYPE_REAL_SYM_POSDEF if symmetric else pymklpardiso.MTYPE_REAL_NONSYM
-                solver = pymklpardiso.PardisoSolver(
-                    matrix, kind, self._ORDERING if symmetric else self._PLAIN
-                )
+                solver = pymklpardiso.PardisoSolver(matrix, kind, self._ORDERING if symmetric else self._PLAIN)
                 self._solvers[symmetric] = solver
             else:
                 solver.refactor(data[self.form.upper] if symmetric else data)  # type: ignore[attr-defined]

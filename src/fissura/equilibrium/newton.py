@@ -187,7 +187,7 @@ class StepSolver:
 
     def _converged(self, trial: _Trial) -> bool:
         """Force and energy within tolerance, and the prescribed value met."""
-        gap = abs(self._system.control @ trial.response.u - self._value)
+        gap = abs(float(self._system.control @ trial.response.u) - self._value)
         return (
             trial.size <= self.tolerance * self._reference(trial.load)
             and gap <= 1e-9 * abs(self._value)
@@ -202,7 +202,7 @@ class StepSolver:
     def _measured(self, trial: _Trial, before: _Trial) -> _Trial:
         """Fill in the norms that need the correction."""
         step = trial.response.u - before.response.u
-        trial.displacement = float(np.linalg.norm(step) / max(np.linalg.norm(trial.response.u), 1e-300))
+        trial.displacement = float(np.linalg.norm(step)) / max(float(np.linalg.norm(trial.response.u)), 1e-300)
         work = abs(trial.load * float(self._system.load @ trial.response.u))
         trial.energy = abs(float(trial.residual @ step)) / max(work, 1e-300)
         return trial
@@ -223,11 +223,7 @@ class StepSolver:
             following = self._try(trial.response.u + cut * du, trial.load + cut * more)
             if best is None or following.size < best.size:
                 best = following
-            if (
-                best.size < (1.0 - 0.1 * cut) * trial.size
-                or gap != 0.0
-                and abs(gap) > 1e-9 * abs(self._value)
-            ):
+            if best.size < (1.0 - 0.1 * cut) * trial.size or (gap != 0.0 and abs(gap) > 1e-9 * abs(self._value)):
                 break
             cut *= 0.5
         assert best is not None

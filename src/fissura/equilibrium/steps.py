@@ -49,7 +49,7 @@ class StepLength:
     @property
     def length(self) -> float:
         """Current length [m]."""
-        return self.longest / 2**self.level
+        return self.longest / float(2**self.level)
 
     def next_value(self, value: float, target: float) -> float:
         """End of the next step: the next multiple of the length, at most the target [m]."""

@@ -136,9 +136,10 @@ class System:
     def _spin(self) -> csr_array:
         """A trace of rotational stiffness in every contact.
 
-        Contacts act at one point of their facets, so a body at a corner that touches only two others may spin freely about
-        the line between these points. The stiffness against relative rotation of a facet glued over its whole area,
-        ``E A^2 / (12 L)``, times a tiny factor stops that; it does no work in uniform strain, where rotations are equal.
+        Contacts act at one point of their facets, so a body at a corner that touches only two others may spin freely
+        about the line between these points. The stiffness against relative rotation of a facet glued over its whole
+        area, ``E A^2 / (12 L)``, times a tiny factor stops that; it does no work in uniform strain, where rotations
+        are equal.
         """
         contacts = self.tessellation.contacts
         stiffness = _SPIN_STIFFNESS * self.material.E * contacts.area**2 / (12.0 * contacts.length)
@@ -159,7 +160,8 @@ class System:
 
     def pairs(self) -> IntArray:
         """Nuclei of the contacts with damage, by which their history is kept; shape (k, 2)."""
-        return self.tessellation.nucleus[self.tessellation.contacts.bodies[self.active]]
+        bodies: IntArray = self.tessellation.contacts.bodies[self.active]
+        return self.tessellation.nucleus[bodies]
 
     def response(self, u: FloatArray, history: FloatArray) -> Response:
         """Internal forces for displacements u, shape (6 n,), and accepted history."""
@@ -194,10 +196,8 @@ class System:
 
     def dissipated(self, old: Response, new: Response) -> FloatArray:
         """Energy dissipated by each contact between two responses, ``A L (s_old.e_new - s_new.e_old)/2`` [J]; (m,)."""
-        work = np.einsum("ca,ca->c", old.traction, new.strain) - np.einsum(
-            "ca,ca->c", new.traction, old.strain
-        )
-        return 0.5 * self.geometry.volume * work
+        work = np.einsum("ca,ca->c", old.traction, new.strain) - np.einsum("ca,ca->c", new.traction, old.strain)
+        return np.asarray(0.5 * self.geometry.volume * work, dtype=np.float64)
 
     def elastic_utilisation(self, response: Response) -> FloatArray:
         """Effective traction over strength of elastic contacts, 0 for those with damage; shape (m,)."""

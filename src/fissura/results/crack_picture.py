@@ -100,9 +100,7 @@ def plot_crack(result: Result, path: Path) -> None:
         bar.outline.set_visible(False)
     _draw(first, view, whole, 1.0)
     second.legend(
-        handles=[
-            Patch(facecolor=c, edgecolor=EDGE, label=n) for c, n in ((FINE, "fine"), (COARSE, "coarse"))
-        ],
+        handles=[Patch(facecolor=c, edgecolor=EDGE, label=n) for c, n in ((FINE, "fine"), (COARSE, "coarse"))],
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
         borderaxespad=0.2,
@@ -148,9 +146,7 @@ def _projected(polygons: Polygons) -> list[FloatArray]:
 
 def _draw(axes: Axes, view: View, window: FloatArray, scale: float) -> None:
     axes.add_collection(
-        PolyCollection(
-            view.bodies, facecolors=view.colours, edgecolors=EDGE, linewidths=0.3 * scale, zorder=2
-        )
+        PolyCollection(view.bodies, facecolors=view.colours, edgecolors=EDGE, linewidths=0.3 * scale, zorder=2)
     )
     colours = HEAT(view.norm(view.openings))
     axes.add_collection(

@@ -142,12 +142,10 @@ def read_curve(path: str | Path) -> Curve:
     names = [name.strip() for name in lines[0][1]] if lines else []
     missing = [name for name in COLUMNS if name not in names]
     if missing:
-        raise InputError(
-            str(path), f"has no column {', '.join(missing)}", "a first line naming " + ",".join(COLUMNS)
-        )
-    table = np.array(
-        [_numbers(path, number, line, names) for number, line in lines[1:]], dtype=np.float64
-    ).reshape(-1, len(names))
+        raise InputError(str(path), f"has no column {', '.join(missing)}", "a first line naming " + ",".join(COLUMNS))
+    table = np.array([_numbers(path, number, line, names) for number, line in lines[1:]], dtype=np.float64).reshape(
+        -1, len(names)
+    )
     return {name: table[:, k].astype(_dtype(name)) for k, name in enumerate(names)}
 
 

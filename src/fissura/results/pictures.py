@@ -167,9 +167,7 @@ def _note_peak(axes: Axes, gauge: float, load: float, x_scale: float, y_scale: f
     """Mark the peak; the note lies on the side where there is more room."""
     x, y = gauge * x_scale, load * y_scale
     right = x < 0.6 * axes.get_xlim()[1]
-    axes.plot(
-        x, y, marker="o", markersize=6.5, color="white", markeredgecolor=BLUE, markeredgewidth=1.6, zorder=4
-    )
+    axes.plot(x, y, marker="o", markersize=6.5, color="white", markeredgecolor=BLUE, markeredgewidth=1.6, zorder=4)
     axes.annotate(
         f"peak {text.force(load)} at {text.length(gauge)}",
         (x, y),

@@ -84,9 +84,7 @@ def polyhedra(tessellation: Tessellation) -> Polyhedra:
     # Every contact polygon bounds two bodies and is turned round for one of them.
     n_inner, n_outer = len(inner), len(outer)
     polygon = np.concatenate([np.arange(n_inner), np.arange(n_inner), n_inner + np.arange(n_outer)])
-    body = np.concatenate(
-        [contacts.bodies[inner.facet, 0], contacts.bodies[inner.facet, 1], surface.body[outer.facet]]
-    )
+    body = np.concatenate([contacts.bodies[inner.facet, 0], contacts.bodies[inner.facet, 1], surface.body[outer.facet]])
     forward = np.concatenate([aligned, ~aligned, outward])
     order = np.argsort(body, kind="stable")
     polygon, body, forward = polygon[order], body[order], forward[order]

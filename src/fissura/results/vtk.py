@@ -102,9 +102,7 @@ def contacts_mesh(snapshot: Snapshot) -> meshio.Mesh:
 def write_snapshot(folder: Path, number: int, snapshot: Snapshot) -> None:
     """Write ``bodies_NNNN.vtu`` and ``contacts_NNNN.vtu`` (compressed binary) of a step."""
     for kind, mesh in (("bodies", bodies_mesh(snapshot)), ("contacts", contacts_mesh(snapshot))):
-        meshio.write(
-            folder / file_name(kind, number), mesh, file_format="vtu", binary=True, compression="zlib"
-        )
+        meshio.write(folder / file_name(kind, number), mesh, file_format="vtu", binary=True, compression="zlib")
 
 
 def write_series(folder: Path, gauges: Mapping[int, float]) -> None:

@@ -46,8 +46,7 @@ class Box:
         size = case.specimen.size
         many = len(case.notch) > 1
         notches = tuple(
-            notch_from_part(part, size, f"notch[{k}]" if many else "notch")
-            for k, part in enumerate(case.notch)
+            notch_from_part(part, size, f"notch[{k}]" if many else "notch") for k, part in enumerate(case.notch)
         )
         return cls(size, notches)
 

@@ -96,9 +96,7 @@ def _line_axis(patch: Patch) -> int:
 def _pin(patch: Patch) -> list[Functional | None]:
     """Hinge: no translation, no rotation but the one about its own line."""
     hinge = _line_axis(patch)
-    return [_mean(patch, unit) for unit in np.eye(3)] + [
-        _rotation(patch, axis) for axis in range(3) if axis != hinge
-    ]
+    return [_mean(patch, unit) for unit in np.eye(3)] + [_rotation(patch, axis) for axis in range(3) if axis != hinge]
 
 
 def _roller(patch: Patch) -> list[Functional | None]:
@@ -179,9 +177,7 @@ def conditions_from_case(case: Case, box: Box) -> Conditions:
     if case.gauge.direction is None:
         along = b.centroid - a.centroid
         if np.linalg.norm(along) <= 1e-9 * max(box.size):
-            raise InputError(
-                "gauge.b", "lies at the same place as gauge.a", "another place, or a gauge.direction"
-            )
+            raise InputError("gauge.b", "lies at the same place as gauge.a", "another place, or a gauge.direction")
     else:
         along = np.asarray(case.gauge.direction, float)
     along = along / np.linalg.norm(along)

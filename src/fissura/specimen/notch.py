@@ -98,7 +98,7 @@ def notch_from_part(part: NotchPart, size: tuple[float, float, float], key: str)
     if part.face not in FACES:
         raise InputError(f"{key}.face", f"{part.face!r} is not a face", ", ".join(FACES))
     axis, side = FACES[part.face]
-    normal = AXES[part.normal or ("y" if axis == 0 else "x")]
+    normal = AXES[part.normal]
     if normal == axis:
         raise InputError(
             f"{key}.normal", f"'{'xyz'[normal]}' is perpendicular to the face {part.face!r}", "another axis"

@@ -94,7 +94,7 @@ def patch_from_part(part: PatchPart, box: Box, spacing: float, key: str) -> Patc
             )
         points = np.clip(point, 0.0, size)[None, :]
     else:
-        along = AXES[part.along or ("y" if axis == 0 else "x")]
+        along = AXES[part.along]
         if along == axis:
             raise InputError(
                 f"{key}.along", f"'{'xyz'[along]}' is perpendicular to the face {part.face!r}", "another axis"
@@ -105,10 +105,10 @@ def patch_from_part(part: PatchPart, box: Box, spacing: float, key: str) -> Patc
         else:
             low, high = part.at - 0.5 * part.width, part.at + 0.5 * part.width
             if low < -tolerance or high > size[along] + tolerance:
+                place = f"a strip from {low:g} to {high:g} m" if part.width else f"{part.at:g} m"
                 raise InputError(
                     f"{key}.at",
-                    f"{'a strip from ' + format(low, 'g') + ' to ' + format(high, 'g') if part.width else format(part.at, 'g')}"
-                    f" m is off the face {part.face!r}",
+                    f"{place} is off the face {part.face!r}",
                     f"between 0 and {size[along]:g} m along {'xyz'[along]}",
                 )
             positions = _midpoints(low, high, spacing) if part.width > 0.0 else np.array([part.at])

@@ -21,17 +21,19 @@ IntArray = NDArray[np.int64]
 _NEGLIGIBLE = 1e-10  # of the squared spacing: facets that exist by round-off only
 
 
-def _sums(
-    polygons: Ragged, count: int, smallest: float
-) -> tuple[Ragged, FloatArray, FloatArray, NDArray[np.bool_]]:
+def _summed(owner: IntArray, values: FloatArray, count: int) -> FloatArray:
+    return np.asarray(np.bincount(owner, values, count), dtype=np.float64)
+
+
+def _sums(polygons: Ragged, count: int, smallest: float) -> tuple[Ragged, FloatArray, FloatArray, NDArray[np.bool_]]:
     """Area and centroid of every owner, over its polygons; those of negligible size are dropped."""
     vector, centroid = areas_and_centroids(polygons.points, polygons.offsets)
     size = np.linalg.norm(vector, axis=1)
     polygons = polygons.take(np.flatnonzero(size > smallest))
     centroid, size = centroid[size > smallest], size[size > smallest]
-    area = np.bincount(polygons.owner, size, count)
+    area = _summed(polygons.owner, size, count)
     present = area > 0.0
-    centre = np.stack([np.bincount(polygons.owner, size * centroid[:, a], count) for a in range(3)], axis=1)
+    centre = np.stack([_summed(polygons.owner, size * centroid[:, a], count) for a in range(3)], axis=1)
     centre[present] /= area[present, None]
     return polygons, area, centre, present
 
@@ -129,7 +131,7 @@ def tessellate(
     )
     half = contacts.area * length / 6.0
     cone = skin.area * np.einsum("ba,ba->b", skin.normal, skin.centroid - x[skin.body]) / 3.0
-    volume = np.bincount(i, half, n) + np.bincount(j, half, n) + np.bincount(skin.body, cone, n)
+    volume = _summed(i, half, n) + _summed(j, half, n) + _summed(skin.body, cone, n)
     return Tessellation(nucleus, x, fine, volume, contacts, skin)
 
 

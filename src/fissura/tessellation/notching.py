@@ -1,8 +1,8 @@
 """Cutting notches out of Voronoi cells: exact pieces of facets, and the walls of the notch.
 
-A notch removes ``|d| < w/2, h < 0`` (`d` from its mid-plane, `h` above its root), so a convex facet leaves at most three
-convex pieces: above the root, and below it on either side. Areas, centroids and volumes stay exact although bodies at
-the root need not be convex any more.
+A notch removes ``|d| < w/2, h < 0`` (`d` from its mid-plane, `h` above its root), so a convex facet leaves at most
+three convex pieces: above the root, and below it on either side. Areas, centroids and volumes stay exact although
+bodies at the root need not be convex any more.
 """
 
 from __future__ import annotations
@@ -95,9 +95,7 @@ def _clip_by_cells(bodies, rectangle, x, first, neighbour):  # type: ignore[no-u
     return out[:n].copy(), counts
 
 
-def notch_walls(
-    notch: Notch, bodies: IntArray, x: FloatArray, pairs: IntArray
-) -> tuple[Ragged, IntArray, FloatArray]:
+def notch_walls(notch: Notch, bodies: IntArray, x: FloatArray, pairs: IntArray) -> tuple[Ragged, IntArray, FloatArray]:
     """Walls and root of a saw cut, divided among bodies.
 
     Parameters

@@ -85,7 +85,9 @@ def _in_void(low, high, void_lower, void_upper):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _dead(low, high, zl, zu, za, zp, zc, void_lower, void_upper, x, grid, shape, cell, l2):  # type: ignore[no-untyped-def]
+def _dead(  # type: ignore[no-untyped-def]
+    low, high, zl, zu, za, zp, zc, void_lower, void_upper, x, grid, shape, cell, l2
+):
     """Whether no nucleus fits into a box: covered, in a saw cut, or its mirror image covered."""
     if _covered(low, high, x, grid, shape, cell, l2) or _in_void(low, high, void_lower, void_upper):
         return True
@@ -128,18 +130,20 @@ def _dead(low, high, zl, zu, za, zp, zc, void_lower, void_upper, x, grid, shape,
 
 
 @njit(cache=True)
-def _place(size, l, zl, zu, za, zp, zc, void_lower, void_upper, given, rng, max_level, rate):  # type: ignore[no-untyped-def]
-    # Nuclei are at least l apart, so a grid cell with diagonal l holds one at most.
-    cell = l / np.sqrt(3.0) * (1.0 - 1e-12)
+def _place(  # type: ignore[no-untyped-def]
+    size, spacing, zl, zu, za, zp, zc, void_lower, void_upper, given, rng, max_level, rate
+):
+    # Nuclei are at least one spacing apart, so a grid cell with that diagonal holds one at most.
+    cell = spacing / np.sqrt(3.0) * (1.0 - 1e-12)
     shape = np.empty(3, np.int64)
     for a in range(3):
         shape[a] = int(size[a] / cell) + 1
     grid = np.full(shape[0] * shape[1] * shape[2], -1, np.int64)
-    capacity = max(64, int(1.5 * size[0] * size[1] * size[2] / l**3) + 4 * len(given) + 64)
+    capacity = max(64, int(1.5 * size[0] * size[1] * size[2] / spacing**3) + 4 * len(given) + 64)
     x = np.empty((capacity, 3))
     twin = np.full(capacity, -1, np.int64)
     n = 0
-    l2 = l * l
+    l2 = spacing * spacing
     side = cell
     active = np.empty((shape[0] * shape[1] * shape[2], 3), np.int64)
     count = 0

@@ -39,12 +39,8 @@ def _select(x, order, twin, spacing, side):  # type: ignore[no-untyped-def]
                         continue
                     l2 = spacing[member] ** 2
                     reach = int(spacing[member] / side) + 1
-                    for c0 in range(
-                        max(cell[member, 0] - reach, 0), min(cell[member, 0] + reach + 1, shape[0])
-                    ):
-                        for c1 in range(
-                            max(cell[member, 1] - reach, 0), min(cell[member, 1] + reach + 1, shape[1])
-                        ):
+                    for c0 in range(max(cell[member, 0] - reach, 0), min(cell[member, 0] + reach + 1, shape[0])):
+                        for c1 in range(max(cell[member, 1] - reach, 0), min(cell[member, 1] + reach + 1, shape[1])):
                             for c2 in range(
                                 max(cell[member, 2] - reach, 0), min(cell[member, 2] + reach + 1, shape[2])
                             ):
