@@ -115,9 +115,7 @@ class FakeRecorder:
         if self.folder is not None:
             (self.folder / "curve.csv").write_text(",".join(map(str, self.steps)))
         if step.number == self.fail_at:
-            raise OSError(
-                errno.ENOSPC, "No space left on device", str(self.folder and self.folder / "curve.csv")
-            )
+            raise OSError(errno.ENOSPC, "No space left on device", str(self.folder and self.folder / "curve.csv"))
 
     def finish(self, status: str, message: str = "") -> Any:
         if self.folder is not None:
@@ -175,9 +173,7 @@ def test_version() -> None:
     assert done.stdout == f"fissura {fissura.__version__}\n"
 
 
-@pytest.mark.parametrize(
-    "arguments", [["run"], ["walk"], ["run", "x", "--seed", "-1"], ["run", "x", "--seed", "a"]]
-)
+@pytest.mark.parametrize("arguments", [["run"], ["walk"], ["run", "x", "--seed", "-1"], ["run", "x", "--seed", "a"]])
 def test_wrong_usage(arguments: list[str]) -> None:
     assert call(*arguments).exit_code == 2
 
@@ -218,9 +214,7 @@ def test_run_refuses_a_folder_with_files_before_computing(tiny: Path, fake: type
 
 
 @pytest.mark.parametrize("folder", ["tiny.toml", "tiny.toml/below", "x" * 300])
-def test_run_refuses_a_folder_that_cannot_be_written(
-    tiny: Path, fake: type[FakeSimulation], folder: str
-) -> None:
+def test_run_refuses_a_folder_that_cannot_be_written(tiny: Path, fake: type[FakeSimulation], folder: str) -> None:
     done = call("run", tiny, "--output", folder)
     assert (done.exit_code, fake.built) == (2, [])
     assert done.stderr.startswith("error: output: ")
@@ -356,9 +350,7 @@ def test_duration(seconds: float, text: str) -> None:
     assert duration(seconds) == text
 
 
-def test_progress_in_a_terminal(
-    tiny: Path, fake: type[FakeSimulation], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_progress_in_a_terminal(tiny: Path, fake: type[FakeSimulation], capsys: pytest.CaptureFixture[str]) -> None:
     simulation: Any = fake(load_case(tiny))
     console = Console(stderr=True, force_terminal=True, width=150)
     with RunProgress(console, 2e-6) as progress:

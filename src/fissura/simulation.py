@@ -41,6 +41,9 @@ _log = logging.getLogger(__name__)
 #: Refinements of one step before the run is given up; each must add bodies, so this only stops a runaway.
 _MOST_REFINEMENTS = 60
 
+#: Share of gamma from which bodies are refined along with critical ones.
+_AHEAD = 0.85
+
 
 @dataclass(frozen=True)
 class Snapshot:
@@ -268,7 +271,9 @@ class Simulation:
             refinements += 1
             if refinements > _MOST_REFINEMENTS:
                 raise RunStopped(f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, value)
-            self._refine(path, system.tessellation.x[critical])
+            # Bodies that would be critical soon are taken along: re-tessellation costs more than a few bodies.
+            soon = np.nan_to_num(criterion) > _AHEAD * self.case.adaptivity.gamma
+            self._refine(path, system.tessellation.x[soon])
             factorizations += path.system.solver.factorizations
         step = self._accept(path, found, criterion, utilisation, stress)
         return replace(

@@ -5,10 +5,10 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
-from fissura.simulation import Snapshot, Step
 from scipy.spatial import Voronoi
 
 from fissura.case import case_from_dict
+from fissura.simulation import Snapshot, Step
 from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
 
 FACES = ("left", "right", "bottom", "top", "front", "back")
@@ -66,17 +66,13 @@ def voronoi_structure(x, size, fine=None):
         contacts=Contacts(
             bodies, area, centroid, normal, length, fine[bodies].all(axis=1), pack([c[2] for c in contacts])
         ),
-        surface=SurfaceFacets(
-            s_body, s_area, s_centroid, s_normal, s_surface, FACES, pack([s[2] for s in surface])
-        ),
+        surface=SurfaceFacets(s_body, s_area, s_centroid, s_normal, s_surface, FACES, pack([s[2] for s in surface])),
     )
 
 
 def pack(polygons):
     sizes = [len(p) for p in polygons]
-    return Polygons(
-        np.concatenate(polygons), np.concatenate([[0], np.cumsum(sizes)]), np.arange(len(polygons))
-    )
+    return Polygons(np.concatenate(polygons), np.concatenate([[0], np.cumsum(sizes)]), np.arange(len(polygons)))
 
 
 def measures(polygons):
@@ -167,9 +163,7 @@ def case(**output):
 
 def simulation(**output):
     """Stand-in for a simulation: what a recorder asks of it."""
-    return SimpleNamespace(
-        case=case(**output), full=False, bodies_start=2, bodies_full=40, initial_stiffness=1.5e8
-    )
+    return SimpleNamespace(case=case(**output), full=False, bodies_start=2, bodies_full=40, initial_stiffness=1.5e8)
 
 
 def steps(loads, target=1e-4, **changes):

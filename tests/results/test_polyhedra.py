@@ -39,9 +39,7 @@ def test_cubes():
 
 
 def test_volumes_are_those_of_the_bodies(structure):
-    np.testing.assert_allclose(
-        measured_volumes(polyhedra(structure), len(structure)), structure.volume, rtol=1e-9
-    )
+    np.testing.assert_allclose(measured_volumes(polyhedra(structure), len(structure)), structure.volume, rtol=1e-9)
 
 
 def test_every_edge_is_walked_once_in_each_direction(structure):

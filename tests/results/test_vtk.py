@@ -16,9 +16,7 @@ FORMULA = {"XX": (0, 0), "YY": (1, 1), "ZZ": (2, 2), "XY": (0, 1), "YZ": (1, 2),
 def shot():
     t = voronoi_structure(random_points(60, SIZE), SIZE, fine=np.arange(60) % 2 == 0)
     rng = np.random.default_rng(2)
-    state = snapshot(
-        t, displacement=rng.normal(size=(60, 6)) * 1e-4, opening=rng.uniform(size=len(t.contacts))
-    )
+    state = snapshot(t, displacement=rng.normal(size=(60, 6)) * 1e-4, opening=rng.uniform(size=len(t.contacts)))
     stress = rng.normal(size=(60, 3, 3))
     state.stress[:] = stress + stress.transpose(0, 2, 1)
     state.traction[:] = rng.normal(size=state.traction.shape)

@@ -187,7 +187,7 @@ class Adaptivity(Part):
     """When and where the discretization is refined; its radii are nan until a case resolves them."""
 
     criterion: str = Field(default="utilisation", description="the name of a criterion")
-    gamma: Fraction = 0.7
+    gamma: Fraction = 0.75
     r_f: PositiveLength = Field(default=math.nan, validate_default=False)
     r_c: PositiveLength = Field(default=math.nan, validate_default=False)
     notch_tips: Flag = True

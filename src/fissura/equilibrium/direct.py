@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,8 +46,8 @@ class MklPardiso:
         Pattern of all matrices to come.
     """
 
-    _ORDERING = {1: 3}  # nested dissection, the faster of its two implementations
-    _PLAIN = {**_ORDERING, 9: 13, 10: 0, 12: 0}  # no scaling or matching, which would depend on values
+    _ORDERING: ClassVar = {1: 3}  # nested dissection, the faster of its two implementations
+    _PLAIN: ClassVar = {**_ORDERING, 9: 13, 10: 0, 12: 0}  # no scaling or matching, which would depend on values
 
     def __init__(self, form: Pattern) -> None:
         self.form = form

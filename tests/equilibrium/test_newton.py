@@ -1,0 +1,167 @@
+"""Solution of steps; a bar of two bodies with one contact follows the contact law exactly."""
+
+import numpy as np
+import pytest
+from equilibrium.models import BEAM, CONCRETE, beam, beam_system, changed, half_fine
+
+from fissura.case import case_from_dict
+from fissura.contact import CusatisCedolin
+from fissura.equilibrium import StepSolver, System, settle
+from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.tessellation import tessellate
+
+YIELD = CONCRETE.f_t / CONCRETE.E
+LENGTH, SIDE = 0.02, 0.03
+
+
+@pytest.fixture(scope="module")
+def bar(tmp_path_factory):
+    """Two bodies in a row, clamped on the left, pulled on the right; the gauge is the elongation."""
+    case = case_from_dict(
+        changed(
+            BEAM,
+            {
+                "specimen": {"size": [2 * LENGTH, SIDE, SIDE]},
+                "notch": None,
+                "supports": [{"type": "clamp", "face": "left"}],
+                "load": {"face": "right", "direction": [1, 0, 0], "at": None},
+                "gauge": {"a": {"face": "left"}, "b": {"face": "right"}},
+            },
+        ),
+        tmp_path_factory.mktemp("bar"),
+    )
+    case = case.model_copy(update={"load": case.load.model_copy(update={"at": None})})
+    box = specimen_from_case(case)
+    x = np.array([[0.5 * LENGTH, 0.5 * SIDE, 0.5 * SIDE], [1.5 * LENGTH, 0.5 * SIDE, 0.5 * SIDE]])
+    tessellation = tessellate(x, box, np.full(2, LENGTH))
+    assert len(tessellation.contacts) == 1
+    return System(tessellation, CONCRETE, CusatisCedolin, conditions_from_case(case, box))
+
+
+def test_bar_follows_the_contact_law_into_softening_and_back(bar):
+    solver = StepSolver(1e-10, 60)
+    law = CusatisCedolin.create(CONCRETE, np.array([LENGTH]))
+    history, own = bar.virgin(), law.initial_history()
+    u, load = np.zeros(bar.size), 0.0
+    area = SIDE * SIDE
+    for strain in np.array([0.5, 0.9, 1.2, 2.0, 4.0, 8.0, 5.0, 1.0, 6.0, 12.0, 40.0]) * YIELD:
+        state = solver.solve(bar, history, strain * LENGTH, (u, load), 0.1 * area * CONCRETE.f_t)
+        assert state is not None
+        u, load, history = state.response.u, state.load, state.response.history
+        traction, own = law.response(np.array([[strain, 0.0, 0.0]]), own)
+        assert load == pytest.approx(area * traction[0, 0], rel=1e-7)
+        assert history[0, 0] == pytest.approx(own[0, 0], abs=1e-9)
+        assert state.norms.force <= 1e-10
+
+
+def test_bar_under_compression_hardens(bar):
+    solver = StepSolver(1e-10, 60)
+    value = -25 * YIELD * LENGTH
+    state = solver.solve(bar, bar.virgin(), value, (np.zeros(bar.size), 0.0), CONCRETE.f_t * SIDE**2)
+    law = CusatisCedolin.create(CONCRETE, np.array([LENGTH]))
+    traction, _ = law.response(np.array([[-25 * YIELD, 0.0, 0.0]]), law.initial_history())
+    assert state.load == pytest.approx(SIDE**2 * traction[0, 0], rel=1e-7)
+    assert state.load < -16 * CONCRETE.f_t * SIDE**2
+
+
+def test_two_bodies_in_series_with_elastic_ends(bar):
+    """Bodies are rigid: the elastic stiffness is ``E A / L`` of the single contact."""
+    state = settle(bar, bar.virgin(), 1e-7)
+    assert state.load / 1e-7 == pytest.approx(CONCRETE.E * SIDE**2 / LENGTH, rel=1e-9)
+
+
+@pytest.fixture(scope="module")
+def system():
+    return beam_system()
+
+
+def test_settle_meets_the_value_in_equilibrium(system):
+    state = settle(system, system.virgin(), 3e-6)
+    assert system.control @ state.response.u == pytest.approx(3e-6, rel=1e-12)
+    residual = state.load * system.load - system.internal(state.response.traction, state.response.u)
+    assert np.linalg.norm(residual) < 1e-8 * abs(state.load) * np.linalg.norm(system.load)
+    double = settle(system, system.virgin(), 6e-6)
+    assert double.load == pytest.approx(2 * state.load, rel=1e-10)
+
+
+def test_settle_keeps_the_damage_that_is_there(system):
+    history = system.virgin()
+    history[::3, 0] = 0.6
+    soft, stiff = settle(system, history, 1e-5), settle(system, system.virgin(), 1e-5)
+    assert soft.load < 0.95 * stiff.load
+    np.testing.assert_array_equal(soft.response.history, history)
+    expected = (1 - history[:, :1]) * system.moduli[system.active] * soft.response.strain[system.active]
+    np.testing.assert_allclose(soft.response.traction[system.active], expected, rtol=1e-12)
+    residual = soft.load * system.load - soft.response.forces
+    assert np.linalg.norm(residual) < 1e-8 * abs(soft.load) * np.linalg.norm(system.load)
+
+
+def test_reciprocity(system):
+    """Maxwell-Betti: the gauge under the load moves as the load under the gauge."""
+    system.solver.factor(system.secant(system.virgin()), symmetric=True)
+    a, b = system.solver.solve(np.stack([system.load, system.control], axis=1)).T
+    assert system.control @ a == pytest.approx(system.load @ b, rel=1e-8)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-9])
+def test_a_step_ends_in_equilibrium_at_the_prescribed_value(system, tolerance):
+    solver = StepSolver(tolerance, 60)
+    start = settle(system, system.virgin(), 4e-6)
+    state = solver.solve(system, system.virgin(), 4e-6, (start.response.u, start.load), 0.0)
+    assert state is not None
+    assert state.response.history[:, 0].max() > 0.05
+    assert state.value == 4e-6
+    assert system.control @ state.response.u == pytest.approx(4e-6, rel=1e-9)
+    again = system.response(state.response.u, system.virgin())
+    residual = system.weights * (state.load * system.load - again.forces)
+    size = np.linalg.norm(system.weights * system.load) * abs(state.load)
+    assert np.linalg.norm(residual) <= tolerance * size * (1 + 1e-6)
+    assert state.norms.force == pytest.approx(np.linalg.norm(residual) / size, rel=1e-6)
+    assert state.norms.energy <= tolerance
+
+
+def test_elastic_step_is_the_linear_solution(system):
+    start = settle(system, system.virgin(), 1e-7)
+    wrong = (np.zeros(system.size), 0.0)
+    state = StepSolver(1e-9, 10).solve(system, system.virgin(), 1e-7, wrong, 0.0)
+    assert state.load == pytest.approx(start.load, rel=1e-9)
+    np.testing.assert_allclose(state.response.u, start.response.u, atol=1e-9 * np.abs(start.response.u).max())
+
+
+def test_newton_and_secant_find_the_same_state(system, monkeypatch):
+    start = settle(system, system.virgin(), 4e-6)
+    guess = (start.response.u, start.load)
+    newton = StepSolver(1e-9, 300).solve(system, system.virgin(), 4e-6, guess, 0.0)
+    monkeypatch.setattr(StepSolver, "_newton", StepSolver._secant)
+    secant = StepSolver(1e-9, 300).solve(system, system.virgin(), 4e-6, guess, 0.0)
+    assert newton.iterations < secant.iterations
+    assert newton.load == pytest.approx(secant.load, rel=1e-6)
+    np.testing.assert_allclose(newton.response.history[:, 0], secant.response.history[:, 0], atol=1e-5)
+
+
+def test_newton_converges_quadratically(system):
+    """From 1e-4 to 1e-9 takes no more than two further iterations."""
+    start = settle(system, system.virgin(), 4e-6)
+    guess = (start.response.u, start.load)
+    count = [
+        StepSolver(t, 60).solve(system, system.virgin(), 4e-6, guess, 0.0).iterations for t in (1e-4, 1e-9)
+    ]
+    assert count[1] <= count[0] + 2
+
+
+def test_gives_up_after_the_allowed_iterations(system):
+    start = settle(system, system.virgin(), 3e-5)
+    guess = (start.response.u, start.load)
+    assert StepSolver(1e-12, 2).solve(system, system.virgin(), 3e-5, guess, 0.0) is None
+
+
+def test_elastic_bodies_around_a_fine_zone():
+    case = beam()
+    system = beam_system(case, region=half_fine())
+    assert len(system.passive)
+    start = settle(system, system.virgin(), 6e-6)
+    state = StepSolver(1e-8, 60).solve(system, system.virgin(), 6e-6, (start.response.u, start.load), 0.0)
+    assert state is not None
+    assert len(state.response.history) == len(system.active)
+    elastic = (system.moduli * state.response.strain)[system.passive]
+    np.testing.assert_allclose(state.response.traction[system.passive], elastic, rtol=1e-12)

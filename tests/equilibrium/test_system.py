@@ -1,0 +1,140 @@
+import numpy as np
+import pytest
+from equilibrium.models import CONCRETE, beam, beam_system, half_fine
+
+from fissura.adaptivity import gauge_compliance
+from fissura.contact import contact_strains
+from fissura.equilibrium import attach, owners, settle
+from fissura.specimen import Functional
+
+YIELD = CONCRETE.f_t / CONCRETE.E
+
+
+@pytest.fixture(scope="module")
+def mixed():
+    return beam_system(region=half_fine())
+
+
+def test_points_belong_to_the_nearest_nucleus(mixed):
+    points = np.random.default_rng(0).uniform(0, 1, (200, 3)) * [0.1, 0.04, 0.02]
+    distance = np.linalg.norm(points[:, None] - mixed.tessellation.x[None], axis=2)
+    np.testing.assert_array_equal(owners(mixed.tessellation, points), distance.argmin(axis=1))
+
+
+def test_attached_forces_keep_resultant_and_moment(mixed):
+    rng = np.random.default_rng(1)
+    functional = Functional(rng.uniform(0, 1, (30, 3)) * [0.1, 0.04, 0.02], rng.normal(size=(30, 3)))
+    nodal = attach(functional, mixed.tessellation)
+    np.testing.assert_allclose(nodal[:, :3].sum(axis=0), functional.coefficients.sum(axis=0), atol=1e-13)
+    np.testing.assert_allclose(
+        (nodal[:, 3:] + np.cross(mixed.tessellation.x, nodal[:, :3])).sum(axis=0),
+        np.cross(functional.points, functional.coefficients).sum(axis=0),
+        atol=1e-14,
+    )
+
+
+def test_attached_functional_measures_points_of_bodies(mixed):
+    rng = np.random.default_rng(2)
+    functional = Functional(rng.uniform(0, 1, (30, 3)) * [0.1, 0.04, 0.02], rng.normal(size=(30, 3)))
+    u = rng.normal(size=(len(mixed.tessellation), 6))
+    body = owners(mixed.tessellation, functional.points)
+    moved = u[body, :3] + np.cross(u[body, 3:], functional.points - mixed.tessellation.x[body])
+    assert np.sum(attach(functional, mixed.tessellation) * u) == pytest.approx(np.sum(functional.coefficients * moved))
+
+
+def test_only_contacts_of_two_fine_bodies_are_damaged(mixed):
+    fine = mixed.tessellation.fine
+    bodies = mixed.tessellation.contacts.bodies
+    np.testing.assert_array_equal(mixed.active, np.flatnonzero(fine[bodies[:, 0]] & fine[bodies[:, 1]]))
+    assert 0 < len(mixed.active) < len(bodies)
+    assert sorted([*mixed.active, *mixed.passive]) == list(range(len(bodies)))
+    u = np.random.default_rng(3).normal(size=mixed.size) * 2e-6
+    response = mixed.response(u, mixed.virgin())
+    np.testing.assert_allclose(response.traction[mixed.passive], (mixed.moduli * response.strain)[mixed.passive])
+    assert np.linalg.norm(response.traction[mixed.active], axis=1).max() < 20 * CONCRETE.f_t
+    assert response.history[:, 0].max() > 0.5
+
+
+def test_pairs_name_the_nuclei_of_damaged_contacts(mixed):
+    pairs, t = mixed.pairs(), mixed.tessellation
+    np.testing.assert_array_equal(pairs, t.nucleus[t.contacts.bodies[t.contacts.fine]])
+
+
+def test_scale_acts_on_elastic_contacts_alone(mixed):
+    other = mixed.scaled(1.3)
+    u = np.random.default_rng(4).normal(size=mixed.size) * 1e-8
+    a, b = mixed.response(u, mixed.virgin()), other.response(u, mixed.virgin())
+    np.testing.assert_allclose(b.traction[mixed.passive], 1.3 * a.traction[mixed.passive], rtol=1e-12)
+    np.testing.assert_array_equal(b.traction[mixed.active], a.traction[mixed.active])
+    np.testing.assert_allclose(
+        other.elastic_utilisation(b), 1.3 * mixed.elastic_utilisation(a), rtol=1e-12, atol=1e-300
+    )
+    assert mixed.elastic_scale == 1.0
+    matrix = other.pattern.matrix(other.secant(other.virgin()))
+    free = np.setdiff1d(np.arange(mixed.size), mixed.support_dofs)
+    np.testing.assert_allclose((matrix @ u)[free], b.forces[free], atol=1e-11 * np.abs(b.forces[free]).max())
+
+
+def test_elastic_share_is_the_derivative_of_compliance(mixed):
+    """``d compliance / d (1/scale) = share scale``, against differences."""
+    gauge_compliance(mixed)
+    slope = mixed.elastic_share() * mixed.elastic_scale
+    h = 1e-4
+    difference = (gauge_compliance(mixed.scaled(1 / (1 + h))) - gauge_compliance(mixed.scaled(1 / (1 - h)))) / (2 * h)
+    assert slope == pytest.approx(difference, rel=1e-5)
+
+
+def test_elastic_utilisation_is_one_at_strength(mixed):
+    """A contact stretched along its normal to ``f_t / E``."""
+    c = mixed.passive[5]
+    contacts = mixed.tessellation.contacts
+    u = np.zeros((len(mixed.tessellation), 6))
+    u[contacts.bodies[c, 1], :3] = YIELD * contacts.length[c] * contacts.normal[c]
+    value = mixed.elastic_utilisation(mixed.response(u.ravel(), mixed.virgin()))
+    assert value[c] == pytest.approx(1.0, rel=1e-12)
+    assert not value[mixed.active].any()
+
+
+def test_energies(mixed):
+    u = np.random.default_rng(5).normal(size=mixed.size) * 1e-9
+    response = mixed.response(u, mixed.virgin())
+    strain = contact_strains(mixed.geometry, u.reshape(-1, 6))
+    energy = 0.5 * np.einsum("c,ca,ca->", mixed.geometry.volume, strain**2, mixed.moduli)
+    assert mixed.stored(response) == pytest.approx(energy, rel=1e-12)
+    rest = mixed.response(0 * u, mixed.virgin())
+    assert not mixed.dissipated(rest, response).any()
+    # There and back again along a proportional path: only what was broken is lost.
+    far = mixed.response(2e3 * u, mixed.virgin())
+    assert mixed.dissipated(rest, far).sum() == 0.0  # from the origin a single step knows no loss
+    further = mixed.response(3e3 * u, far.history)
+    assert mixed.dissipated(far, further).min() >= -1e-12 * mixed.stored(far)
+    assert mixed.dissipated(far, further).sum() > 0.01 * mixed.stored(far)
+    back = mixed.response(1e3 * u, far.history)
+    np.testing.assert_allclose(
+        mixed.dissipated(far, back), 0.0, atol=1e-12 * mixed.stored(far)
+    )
+
+
+def test_stiffness_does_not_change_with_the_size_of_bodies():
+    """Geometry times xi: forces of the same strains go with xi squared, displacements with xi (theory section 2)."""
+    case, xi = beam(), 3.0
+    data = case.model_dump()
+    big = beam(
+        specimen={"size": [xi * s for s in data["specimen"]["size"]]},
+        notch={"position": xi * 0.05, "depth": xi * 0.012},
+        supports=[
+            {"type": "pin", "face": "bottom", "at": xi * 0.01},
+            {"type": "roller", "face": "bottom", "at": xi * 0.09},
+        ],
+        load={"at": xi * 0.05},
+        gauge={"a": {"face": "bottom", "at": xi * 0.046}, "b": {"face": "bottom", "at": xi * 0.054}},
+        discretization={"l_f": xi * 0.01, "l_c": xi * 0.02},
+        control={"target": xi * 1e-4},
+    )
+    small, large = beam_system(case), beam_system(big)
+    np.testing.assert_allclose(large.tessellation.x, xi * small.tessellation.x, rtol=1e-9)
+    a = settle(small, small.virgin(), 1e-6)
+    b = settle(large, large.virgin(), xi * 1e-6)
+    assert b.load == pytest.approx(xi**2 * a.load, rel=1e-7)
+    size = np.abs(a.response.strain).max()
+    np.testing.assert_allclose(np.sort(b.response.strain[:, 0]), np.sort(a.response.strain[:, 0]), atol=1e-6 * size)
