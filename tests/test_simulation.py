@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from equilibrium.models import BEAM, beam, changed
 
 import fissura.simulation
+from equilibrium.models import BEAM, beam, changed
 from fissura.adaptivity import gauge_compliance
 from fissura.case import case_from_dict, load_case
 from fissura.contact import kinematics, nodal_forces
@@ -52,7 +52,7 @@ def test_runs_to_the_target_in_small_steps(kind, full):
     assert [s.number for s in steps] == list(range(1, len(steps) + 1))
     load = np.array([s.load for s in steps])
     assert 0 < load.argmax() < len(load) - 5
-    assert load[-1] < 0.6 * load.max()
+    assert load[-1] < 0.55 * load.max()
 
 
 @every_kind
@@ -79,7 +79,8 @@ def test_every_step_is_in_equilibrium(kind, full):
 def test_energy_balance(kind, full):
     """Work of the load is stored or dissipated; at every step, not only at the end.
 
-    A refinement settles the state on a stiffer or softer structure, which the sum of steps does not see: 0.8 % here.
+    A refinement settles the state on a structure of other stiffness, which the sum of steps does not see: that was
+    0.2 % of the work with the default radius, 1.0 % with half of it. Full runs balance to 3e-6.
     """
     _, steps = done(kind, full)
     work = np.array([s.work for s in steps])
@@ -259,7 +260,7 @@ def test_adaptive_run_is_the_full_run_inside_the_refined_region():
 
 @pytest.mark.parametrize("seed", [1, 3])
 def test_adaptive_run_follows_the_full_one(seed):
-    """Measured: the peak to 0.1 %, the dissipated energy to 0.4 %; a smaller ball (r_f = 2 l_f) gives up to 3 %."""
+    """Measured over seeds 1 to 3: peak within 0.33 %, dissipated energy within 0.2 %; r_f = 2 l_f gave up to 3 %."""
     _, full = done("default", True, seed)
     simulation, part = done("default", False, seed)
     assert simulation.bodies_start < 0.6 * simulation.bodies_full
@@ -282,8 +283,9 @@ def test_initial_stiffness_is_that_of_full_resolution(seed):
 
     exact = stiffness(True)
     assert stiffness(False) == pytest.approx(exact, rel=2e-4)
-    # Without calibration the thick boundary layer of coarse bodies shows: 1 to 3 % measured.
-    assert stiffness(False, calibrate=False) == pytest.approx(exact, rel=0.06)
+    # Without calibration the thick boundary layer of coarse bodies shows: 0.1 to 0.5 % here, up to 3 % where the
+    # coarse part is larger (l_f = 5 mm, l_c = 20 mm).
+    assert stiffness(False, calibrate=False) == pytest.approx(exact, rel=0.03)
 
 
 def test_initial_stiffness_is_the_slope_of_the_first_step():
@@ -350,24 +352,29 @@ def tension(**changes):
 
 
 def test_tension_bar_has_the_macroscopic_stiffness():
-    """``Ẽ A / L`` with ``Ẽ = 0.638 E``; surface layers of a bar five bodies wide are softer."""
+    """``Ẽ A / L`` with ``Ẽ = 0.638 E``; biased surface layers and the clamp made it 3.0 to 3.4 % stiffer."""
     ratios = []
     for seed in (1, 2, 3):
         simulation = Simulation(tension(seed=seed), full=True)
         next(simulation.steps())
         ratios.append(simulation.initial_stiffness / (0.638 * 60e9 * 0.03**2 / 0.1))
-    assert np.mean(ratios) == pytest.approx(1.0, abs=0.06)
-    assert np.ptp(ratios) < 0.06
+    assert np.mean(ratios) == pytest.approx(1.03, abs=0.02)
+    assert np.ptp(ratios) < 0.03
 
 
 def test_tension_bar_under_displacement_control():
-    """Strength below ``f_t A`` times the bulk's resistance, elastic before, less load after the peak."""
-    simulation = Simulation(tension(discretization={"l_f": 0.01, "l_c": 0.02}, control={"target": 2e-5}), full=True)
+    """Elastic at first, then near ``f_t A``, then softening, until the end that is free to rotate snaps back."""
+    case = tension(
+        specimen={"size": [0.03, 0.03, 0.03]},
+        discretization={"l_f": 0.008, "l_c": 0.02},
+        control={"target": 4e-6},
+    )
+    simulation = Simulation(case, full=True)
     steps = list(simulation.steps())
     load = np.array([s.load for s in steps])
     assert load[0] / steps[0].load_displacement == pytest.approx(simulation.initial_stiffness, rel=0.01)
-    assert 0.5 < load.max() / (2.2e6 * 0.03**2) < 1.5
-    assert load[-1] < 0.7 * load.max()
+    assert load.max() == pytest.approx(1.14 * 2.2e6 * 0.03**2, rel=0.05)
+    assert load[-1] < 0.9 * load.max()
     rest = steps[-1].work - steps[-1].stored - steps[-1].dissipated
     assert abs(rest) < 0.01 * steps[-1].work
 
@@ -413,9 +420,7 @@ def test_renumbering_bodies_changes_nothing(full, monkeypatch):
     u, v = steps[-1].snapshot, others[-1].snapshot
     where = np.argsort(order[v.tessellation.nucleus])
     np.testing.assert_array_equal(order[v.tessellation.nucleus][where], u.tessellation.nucleus)
-    np.testing.assert_allclose(
-        v.displacement[where], u.displacement, atol=1e-5 * np.abs(u.displacement).max()
-    )
+    np.testing.assert_allclose(v.displacement[where], u.displacement, atol=1e-5 * np.abs(u.displacement).max())
 
 
 #: The beam with x -> y -> z -> x: what was along x is now along y.
@@ -470,29 +475,14 @@ def test_nuclei_from_a_file_give_the_same_specimen(tmp_path):
 # --- what can go wrong -------------------------------------------------------------------------------------------
 
 
-def test_run_stops_and_keeps_its_steps():
-    """A step that may not be cut: the elastic steps converge, those that break something do not."""
-    step = 1e-4 / 50
-    control = {"max_iterations": 2, "first_step": step, "min_step": step}
-    simulation = Simulation(beam(control=control), full=True)
-    kept = []
-    with pytest.raises(RunStopped, match="min_step") as caught:
-        kept.extend(simulation.steps())
-    assert caught.value.step == len(kept) + 1 if kept else caught.value.step >= 1
-
-
 def test_steps_before_a_stop_are_valid():
+    """Steps that may not be cut, with few iterations: the elastic ones converge, one that breaks something does not."""
     step = 1e-4 / 50
     control = {"max_iterations": 3, "first_step": step, "min_step": step}
     kept = []
-
-    def walk():
-        kept.extend([])
+    with pytest.raises(RunStopped, match="min_step") as caught:  # noqa: PT012
         for accepted in Simulation(beam(control=control), full=True).steps():
             kept.append(accepted)
-
-    with pytest.raises(RunStopped) as caught:
-        walk()
     assert len(kept) >= 1
     assert caught.value.step == len(kept) + 1
     assert caught.value.gauge == pytest.approx(kept[-1].gauge + step)
@@ -529,17 +519,21 @@ def test_errors_of_the_case_come_before_any_step(changes, key):
 
 @pytest.mark.parametrize("seed", range(10))
 def test_every_seed_runs_to_the_end(seed):
-    simulation = Simulation(beam(seed=seed))
+    """Seeds 7 and 9 once made Newton's method alternate between two states for ever."""
+    simulation = Simulation(beam(seed=seed, control={"target": 5e-5}))
     steps = list(simulation.steps())
     assert steps[-1].gauge == simulation.case.control.target
-    assert 400 < max(s.load for s in steps) < 900
-    assert steps[-1].load < 0.7 * max(s.load for s in steps)
+    assert 450 < max(s.load for s in steps) < 650
+    assert steps[-1].load < 0.9 * max(s.load for s in steps)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1, 11))
 def test_every_seed_of_the_example_runs_to_the_end(seed):
-    case = load_case(EXAMPLES / "gregoire_d50_halfnotch.toml").model_copy(update={"seed": seed})
+    """The beam of the example with twice its spacing."""
+    case = load_case(EXAMPLES / "gregoire_d50_halfnotch.toml")
+    data = case.model_dump(exclude={"output", "adaptivity"})
+    case = case_from_dict({**data, "seed": seed, "discretization": {"l_f": 0.01, "l_c": 0.02}}, EXAMPLES)
     simulation = Simulation(case)
     steps = list(simulation.steps())
     assert steps[-1].gauge == case.control.target

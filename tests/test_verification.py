@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from equilibrium.models import CONCRETE, affine, beam, beam_system, block, half_fine, random_rotation, random_symmetric
 from scipy.sparse import csr_array
 
+from equilibrium.models import CONCRETE, affine, beam, beam_system, block, half_fine, random_rotation, random_symmetric
 from fissura.contact import CusatisCedolin, body_stress, contact_strains, kinematics, nodal_forces
 from fissura.equilibrium import System, best_solver
 from fissura.equilibrium.assembly import assemble, pattern
@@ -191,9 +191,11 @@ def bulk_constants(seed, alpha, n=12, margin=2.0, inner=2.5):
     return shear * (3 * lame + 2 * shear) / (lame + shear), 0.5 * lame / (lame + shear)
 
 
-@pytest.mark.parametrize(("alpha", "modulus", "poisson"), [(0.1, 0.473, 0.263), (0.29, 0.638, 0.181), (0.5, 0.767, 0.116)])
+@pytest.mark.parametrize(
+    ("alpha", "modulus", "poisson"), [(0.1, 0.473, 0.263), (0.29, 0.638, 0.181), (0.5, 0.767, 0.116)]
+)
 def test_elastic_constants_of_the_bulk(alpha, modulus, poisson):
-    """Against the table of the theory; one cube scatters by 0.3 to 0.5 %, the held layer adds up to 1 % where alpha is small."""
+    """Against the table of the theory; a cube scatters by 0.3 to 0.5 %, its held layer adds up to 1 %."""
     E, nu = np.mean([bulk_constants(seed, alpha) for seed in (0, 1)], axis=0)
     assert pytest.approx(modulus, rel=0.015) == E
     assert nu == pytest.approx(poisson, abs=0.004)
@@ -224,7 +226,10 @@ def test_energy_of_a_random_state_does_not_see_rotation_or_renumbering():
         tessellation,
         x=tessellation.x[order] @ turn.T,
         contacts=dataclasses.replace(
-            contacts, bodies=place[contacts.bodies], centroid=contacts.centroid @ turn.T, normal=contacts.normal @ turn.T
+            contacts,
+            bodies=place[contacts.bodies],
+            centroid=contacts.centroid @ turn.T,
+            normal=contacts.normal @ turn.T,
         ),
     )
     motion = (u.reshape(-1, 2, 3) @ turn.T).reshape(-1, 6)[order]

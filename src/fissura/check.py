@@ -218,6 +218,14 @@ def require_memory(case: Case, *, full: bool = False) -> None:
             f"{problem}; {task} takes about {_gigabytes(need)}, this machine has {_gigabytes(machine)}",
             "a larger spacing" + (", or a run without full resolution" if full else ""),
         )
+    # Calibration solves the elastic full-resolution structure once, with the symmetric half of the factors.
+    if not full and case.adaptivity.calibrate and 0.5 * estimate_memory(bodies) > machine:
+        raise InputError(
+            "adaptivity.calibrate",
+            f"{problem}; their elastic solution takes about {_gigabytes(0.5 * estimate_memory(bodies))}, this machine"
+            f" has {_gigabytes(machine)}",
+            "false, or a larger spacing",
+        )
 
 
 def _gigabytes(number: float) -> str:

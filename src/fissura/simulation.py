@@ -179,15 +179,17 @@ class Simulation:
         self._conditions = conditions_from_case(case, self._box)
         self._nuclei = nuclei_from_case(case, self._box)
         self._region = region_from_case(case, self._box, full=full)
-        self._compliance: float | None = None
-        if not full and case.adaptivity.calibrate:
-            whole = self._discretize(replace(self._region, everywhere=True))
-            self._compliance = gauge_compliance(self._equations(whole))
         self.tessellation = self._discretize(self._region)
-        self._system = self._system_for(self.tessellation)
+        self._system = self._equations(self.tessellation)
+        self._compliance: float | None = None  # at full resolution; known when calibration needs it
         self.bodies_full = len(self._nuclei)
         self.bodies_start = len(self.tessellation)
         self.initial_stiffness = float("nan")
+
+    @property
+    def elastic_scale(self) -> float:
+        """Factor that calibration put on the stiffness of elastic contacts; 1 without calibration."""
+        return self._system.elastic_scale
 
     def _discretize(self, region: RefinedRegion) -> Tessellation:
         return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x))
@@ -195,19 +197,24 @@ class Simulation:
     def _equations(self, tessellation: Tessellation) -> System:
         return System(tessellation, self._material, self._law, self._conditions)
 
-    def _system_for(self, tessellation: Tessellation) -> System:
-        """Equations of a discretization, its elastic part calibrated when the case asks for that."""
-        system = self._equations(tessellation)
-        return system if self._compliance is None else calibrated(system, self._compliance)
+    def _calibrated(self, system: System) -> System:
+        """The equations of a discretization, their elastic part calibrated when the case asks for that."""
+        if self.full or not self.case.adaptivity.calibrate:
+            return system
+        if self._compliance is None:
+            whole = self._discretize(replace(self._region, everywhere=True))
+            self._compliance = gauge_compliance(self._equations(whole))
+        return calibrated(system, self._compliance)
 
     def _start(self) -> _Path:
         """The unloaded structure; finds the initial stiffness on the way."""
-        system = self._system
         try:
-            unit = settle(system, system.virgin(), 1.0)
+            self._system = system = self._calibrated(self._system)
+            self.initial_stiffness = settle(system, system.virgin(), 1.0).load
         except SingularMatrixError as error:
-            raise InputError("supports", f"the structure is a mechanism ({error})", "supports that hold it") from error
-        self.initial_stiffness = unit.load
+            raise InputError(
+                "supports", f"the structure is a mechanism ({error})", "supports that hold all of the specimen"
+            ) from error
         rest = system.response(np.zeros(system.size), system.virgin())
         return _Path(system, Equilibrium(rest, 0.0, 0.0))
 
@@ -251,7 +258,11 @@ class Simulation:
         while True:
             system = path.system
             counted = system.solver.factorizations
-            found = solver.solve(system, path.now.response.history, value, self._guess(path, value), 0.05 * path.peak)
+            try:
+                guess = self._guess(path, value)
+            except SingularMatrixError as error:
+                raise RunStopped(f"the structure has become a mechanism: {error}", path.number + 1, value) from error
+            found = solver.solve(system, path.now.response.history, value, guess, 0.05 * path.peak)
             factorizations += system.solver.factorizations - counted
             if found is None:
                 return None
@@ -273,7 +284,12 @@ class Simulation:
                 raise RunStopped(f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, value)
             # Bodies that would be critical soon are taken along: re-tessellation costs more than a few bodies.
             soon = np.nan_to_num(criterion) > _AHEAD * self.case.adaptivity.gamma
-            self._refine(path, system.tessellation.x[soon])
+            try:
+                self._refine(path, system.tessellation.x[soon])
+            except (InputError, SingularMatrixError) as error:
+                raise RunStopped(
+                    f"the refined discretization cannot be used: {error}", path.number + 1, value
+                ) from error
             factorizations += path.system.solver.factorizations
         step = self._accept(path, found, criterion, utilisation, stress)
         return replace(
@@ -301,7 +317,7 @@ class Simulation:
         history, pairs = path.now.response.history, old.pairs()
         self._region = self._region.grown(centers)
         self.tessellation = self._discretize(self._region)
-        path.system = self._system_for(self.tessellation)
+        self._system = path.system = self._calibrated(self._equations(self.tessellation))
         history = transfer_history(pairs, history, path.system.pairs())
         value = path.now.value
         _log.info("refined to %d bodies at %.4g m", len(self.tessellation), value)

@@ -2,8 +2,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from equilibrium.models import block, random_rotation
 
+from equilibrium.models import block, random_rotation
 from fissura.contact import contact_strains, kinematics, nodal_forces
 from fissura.contact.kinematics import tangent_directions
 

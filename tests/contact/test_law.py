@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from equilibrium.models import CONCRETE, beam
 
+from equilibrium.models import CONCRETE, beam
 from fissura.contact import CusatisCedolin, law_from_case
 from fissura.contact.law import transition_angle
 from fissura.errors import InputError

@@ -1,11 +1,13 @@
 """The contact law along random paths, and its tangent."""
 
+import itertools
+
 import numpy as np
 import pytest
-from equilibrium.models import CONCRETE
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from equilibrium.models import CONCRETE
 from fissura.contact import CusatisCedolin
 
 YIELD = CONCRETE.f_t / CONCRETE.E
@@ -19,7 +21,7 @@ def followed(corners, parts=60):
     """Strains along straight pieces from the origin through the corners."""
     points = np.concatenate([np.zeros((1, 3)), np.array(corners, float)]) * YIELD
     share = np.arange(1, parts + 1)[:, None] / parts
-    pieces = [a + share * (b - a) for a, b in zip(points[:-1], points[1:], strict=True)]
+    pieces = [a + share * (b - a) for a, b in itertools.pairwise(points)]
     return np.concatenate([np.zeros((1, 3)), *pieces])
 
 
@@ -123,8 +125,9 @@ def test_tangent_against_central_differences(known):
 def test_tangent_along_the_normal_axis(strain):
     strain = np.array([strain]) * YIELD
     h = 1e-6 * YIELD
-    plus, _ = LAW.response(strain + [[h, 0, 0]], LAW.initial_history())
-    minus, _ = LAW.response(strain - [[h, 0, 0]], LAW.initial_history())
+    step = np.array([[h, 0.0, 0.0]])
+    plus, _ = LAW.response(strain + step, LAW.initial_history())
+    minus, _ = LAW.response(strain - step, LAW.initial_history())
     tangent = LAW.tangent(strain, LAW.initial_history())[0]
     np.testing.assert_allclose(tangent[:, 0], (plus - minus)[0] / (2 * h), rtol=1e-6, atol=1e-6 * CONCRETE.E)
 

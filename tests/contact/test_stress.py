@@ -2,6 +2,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+
 from equilibrium.models import (
     affine,
     beam,
@@ -11,7 +12,6 @@ from equilibrium.models import (
     random_rotation,
     random_symmetric,
 )
-
 from fissura.contact import body_stress, contact_strains, kinematics
 from fissura.equilibrium import settle
 

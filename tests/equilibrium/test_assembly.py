@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-from equilibrium.models import CONCRETE, beam_system, half_fine
 
+from equilibrium.models import CONCRETE, beam_system, half_fine
 from fissura.contact import contact_strains, nodal_forces
 from fissura.equilibrium.assembly import assemble, pattern
 
@@ -61,9 +61,9 @@ def test_tangent_is_the_derivative_of_internal_forces(system, damaged):
         way = rng.normal(size=system.size) * np.abs(u).mean()
         way[system.support_dofs] = 0.0  # five orders stiffer than the rest, they would hide it
         h = 1e-5
-        difference = (
-            system.response(u + h * way, history).forces - system.response(u - h * way, history).forces
-        ) / (2 * h)
+        difference = (system.response(u + h * way, history).forces - system.response(u - h * way, history).forces) / (
+            2 * h
+        )
         size = np.abs(matrix @ way).max()
         assert np.linalg.norm(difference - matrix @ way) < 1e-5 * np.sqrt(system.size) * size
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-from equilibrium.models import beam_system, half_fine
 
+from equilibrium.models import beam_system, half_fine
 from fissura.equilibrium import SOLVERS, SingularMatrixError, best_solver
 
 NAMES = sorted(SOLVERS)

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from equilibrium.models import BEAM, CONCRETE, beam, beam_system, changed, half_fine
 
+from equilibrium.models import BEAM, CONCRETE, beam, beam_system, changed, half_fine
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import StepSolver, System, settle
@@ -143,9 +143,7 @@ def test_newton_converges_quadratically(system):
     """From 1e-4 to 1e-9 takes no more than two further iterations."""
     start = settle(system, system.virgin(), 4e-6)
     guess = (start.response.u, start.load)
-    count = [
-        StepSolver(t, 60).solve(system, system.virgin(), 4e-6, guess, 0.0).iterations for t in (1e-4, 1e-9)
-    ]
+    count = [StepSolver(t, 60).solve(system, system.virgin(), 4e-6, guess, 0.0).iterations for t in (1e-4, 1e-9)]
     assert count[1] <= count[0] + 2
 
 

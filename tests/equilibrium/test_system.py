@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-from equilibrium.models import CONCRETE, beam, beam_system, half_fine
 
+from equilibrium.models import CONCRETE, beam, beam_system, half_fine
 from fissura.adaptivity import gauge_compliance
 from fissura.contact import contact_strains
 from fissura.equilibrium import attach, owners, settle
@@ -110,9 +110,7 @@ def test_energies(mixed):
     assert mixed.dissipated(far, further).min() >= -1e-12 * mixed.stored(far)
     assert mixed.dissipated(far, further).sum() > 0.01 * mixed.stored(far)
     back = mixed.response(1e3 * u, far.history)
-    np.testing.assert_allclose(
-        mixed.dissipated(far, back), 0.0, atol=1e-12 * mixed.stored(far)
-    )
+    np.testing.assert_allclose(mixed.dissipated(far, back), 0.0, atol=1e-12 * mixed.stored(far))
 
 
 def test_stiffness_does_not_change_with_the_size_of_bodies():

@@ -1,8 +1,8 @@
 import dataclasses
 
 import pytest
-from equilibrium.models import CONCRETE, beam
 
+from equilibrium.models import CONCRETE, beam
 from fissura.material import Material, material_from_case
 
 

@@ -163,7 +163,9 @@ def case(**output):
 
 def simulation(**output):
     """Stand-in for a simulation: what a recorder asks of it."""
-    return SimpleNamespace(case=case(**output), full=False, bodies_start=2, bodies_full=40, initial_stiffness=1.5e8)
+    return SimpleNamespace(
+        case=case(**output), full=False, bodies_start=2, bodies_full=40, initial_stiffness=1.5e8, elastic_scale=0.9
+    )
 
 
 def steps(loads, target=1e-4, **changes):

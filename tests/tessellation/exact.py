@@ -86,7 +86,7 @@ def check_polygons(t: Tessellation) -> None:
         mean = np.stack([np.bincount(p.facet, size * centroid[:, a], len(facets)) for a in range(3)], axis=1)
         assert_allclose(mean / area[:, None], facets.centroid, atol=1e-12)
         normal = vector / size[:, None]
-        large = size > 1e-6 * size.max()
+        large = size > 1e-6 * size.max(initial=0.0)
         along = np.abs(np.einsum("ka,ka->k", normal, facets.normal[p.facet]))
         assert_allclose(along[large], 1.0, atol=1e-6)
 
@@ -118,12 +118,14 @@ def check_notches(t: Tessellation, box: Box) -> None:
         crossing = beyond[c.bodies[:, 0]] != beyond[c.bodies[:, 1]]
         height = notch.height(c.polygons.points)
         assert height[crossing[corner_facet]].min() >= -tolerance
-        assert not notch.in_void(c.polygons.points[height < -tolerance] * (1.0)).any() or notch.width > 0.0
         sides = np.where(beyond[c.bodies[:, 1]], 1.0, -1.0)
         flux = (c.area * c.normal[:, notch.normal] * sides)[crossing].sum()
         cut = sum(n.depth for n in box.notches if (n.normal, n.position) == (notch.normal, notch.position))
         ligament = (box.size[notch.axis] - cut) * box.size[notch.through]
-        assert_allclose(flux, ligament, rtol=1e-9)
+        # Coarse bodies may reach from their side of the plane to the end of the other one.
+        astray = (s.surface == 2 * notch.normal) & beyond[s.body]
+        astray |= (s.surface == 2 * notch.normal + 1) & ~beyond[s.body]
+        assert_allclose(flux + s.area[astray].sum(), ligament, rtol=1e-9)
         # Facets in the mid-plane begin exactly at the tip.
         middle = np.abs(c.polygons.points[:, notch.normal] - notch.position) < tolerance
         if notch.width == 0.0:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,7 +9,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 from scipy.spatial import cKDTree
 
-from fissura.tessellation import discretize, expected_count, mirror_zones
+from fissura.errors import InputError
+from fissura.tessellation import discretize, expected_count, mirror_zones, placement
 
 from .build import L_C, L_F, NOTCHES, box_with, nuclei_in
 
@@ -48,9 +47,7 @@ def test_saturated_without_notch(seed):
     assert 0.9 < distance.max() <= 1.0 + 1e-6
 
 
-@pytest.mark.parametrize(
-    "size", [(0.1, 0.1, 0.1), (0.3, 0.1, 0.04), (0.4, 0.06, 0.05)], ids=["cube", "plate", "prism"]
-)
+@pytest.mark.parametrize("size", [(0.1, 0.1, 0.1), (0.3, 0.1, 0.04), (0.4, 0.06, 0.05)], ids=["cube", "plate", "prism"])
 def test_count(size):
     counts = [len(nuclei_in(box_with(size=size), seed)) for seed in range(4)]
     assert abs(np.mean(counts) / expected_count(size, L_F) - 1.0) < 0.02
@@ -153,11 +150,41 @@ def test_zones_mirror_themselves(name):
     assert (image[~outside, 0] != x[~outside, 0]).all()
 
 
-def test_fine_nuclei_do_not_depend_on_the_order_of_seeds_used_before():
-    box = box_with()
-    nuclei_in(box, 3)
-    again = nuclei_in(box, 4)
-    assert_array_equal(again.x, nuclei_in(replace(box), 4).x)
+@pytest.mark.parametrize("depth", [0.01, 0.018, 0.02], ids=["apart", "touching", "overlapping"])
+def test_zones_of_opposite_notches(depth, monkeypatch):
+    """Between opposite notches no space stays open for ever: nine halvings of the voxels leave next to nothing."""
+    box = box_with({"position": 0.06, "depth": depth}, {"face": "top", "position": 0.06, "depth": depth})
+    left, original = [], placement._place
+
+    def watched(*arguments):
+        result = original(*arguments)
+        left.append(result[2])
+        return result
+
+    monkeypatch.setattr(placement, "_MAX_LEVEL", 9)
+    monkeypatch.setattr(placement, "_place", watched)
+    nuclei_in(box, 0)
+    assert left[0] < 1000
+
+
+@pytest.mark.parametrize(
+    "second",
+    [{"position": 0.1, "depth": 0.02}, {"face": "left", "position": 0.02, "depth": 0.05}],
+    ids=["parallel", "crossing"],
+)
+def test_zones_in_different_planes_must_not_overlap(second):
+    with pytest.raises(InputError, match=r"too close to notch\[0\]") as caught:
+        mirror_zones(box_with({"position": 0.06, "depth": 0.03}, second), L_F, L_C)
+    assert caught.value.key == "notch[1].position"
+
+
+def test_zones_far_apart():
+    box = box_with({"position": 0.05, "depth": 0.03}, {"position": 0.15, "depth": 0.02}, size=(0.2, 0.06, 0.04))
+    zones = mirror_zones(box, L_F, L_C)
+    np.testing.assert_allclose(zones.plane, [0.05, 0.15])
+    np.testing.assert_allclose(zones.lower[:, 0], [0.01, 0.11])
+    np.testing.assert_allclose(zones.upper[:, 0], [0.09, 0.19])
+    np.testing.assert_allclose(zones.upper[:, 1], [0.03 + 1.5 * L_F, 0.02 + 1.5 * L_F])
 
 
 @pytest.mark.slow

@@ -79,6 +79,7 @@ def build_summary(
         "stored_J": stored,
         "work_J": work,
         "energy_balance_error": (work - stored - dissipated) / work if work else None,
+        "elastic_scale": simulation.elastic_scale,
         "max_elastic_utilisation": _largest(curve["max_elastic_utilisation"]),
         "bodies_start": simulation.bodies_start,
         "bodies_end": _last(curve, "bodies"),

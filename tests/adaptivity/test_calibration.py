@@ -1,0 +1,61 @@
+"""Calibration of the elastic part."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from fissura.adaptivity import calibrated, gauge_compliance, region_from_case
+from fissura.contact import law_from_case
+from fissura.equilibrium import System
+from fissura.material import material_from_case
+from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.tessellation import discretize, nuclei_from_case
+
+
+@pytest.fixture(scope="module")
+def systems(small_case):
+    """The beam fine at the tip, and fine everywhere."""
+    case = small_case()
+    box = specimen_from_case(case)
+    nuclei = nuclei_from_case(case, box)
+    region = region_from_case(case, box, full=False)
+    return [
+        System(
+            discretize(nuclei, box, where.spacing(nuclei.x)),
+            material_from_case(case),
+            law_from_case(case),
+            conditions_from_case(case, box),
+        )
+        for where in (region, replace(region, everywhere=True))
+    ]
+
+
+def test_gauge_as_at_full_resolution(systems):
+    adaptive, full = systems
+    target = gauge_compliance(full)
+    assert abs(gauge_compliance(adaptive) / target - 1.0) > 1e-3
+    assert gauge_compliance(calibrated(adaptive, target)) == pytest.approx(target, rel=1e-4)
+
+
+def test_target_already_met(systems):
+    adaptive, _ = systems
+    assert calibrated(adaptive, gauge_compliance(adaptive)).elastic_scale == 1.0
+
+
+def test_nothing_to_scale(systems):
+    _, full = systems
+    assert calibrated(full, 2.0 * gauge_compliance(full)).elastic_scale == 1.0
+
+
+@pytest.mark.parametrize(("share", "limit"), [(1e-3, 2.0), (10.0, 0.5)])
+def test_limits(systems, share, limit):
+    adaptive, _ = systems
+    assert calibrated(adaptive, share * gauge_compliance(adaptive)).elastic_scale == limit
+
+
+def test_stiffer_elastic_contacts_make_a_stiffer_beam(systems):
+    adaptive, _ = systems
+    compliance = [gauge_compliance(adaptive.scaled(scale)) for scale in (0.5, 1.0, 2.0)]
+    assert compliance[0] > compliance[1] > compliance[2]
