@@ -32,15 +32,6 @@ control.target = 1e-4
 )
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out slow tests unless an expression with ``-m`` chooses."""
-    if config.getoption("-m"):
-        return
-    for item in items:
-        if "slow" in item.keywords:
-            item.add_marker(pytest.mark.skip(reason="slow, run with -m slow"))
-
-
 @pytest.fixture(scope="session")
 def small_case() -> Callable[..., Case]:
     """Build the small notched beam, with tables or values replaced: ``small_case(load__at=0.05, notch=[])``.

@@ -110,7 +110,7 @@ def test_a_table_is_a_list_of_one_and_absent_is_none() -> None:
 
 def test_radii_follow_the_spacings_that_are_given() -> None:
     a = case_from_dict(changed(discretization__l_c="15 mm", adaptivity__r_f="5 mm")).adaptivity
-    assert (a.r_f, a.r_c) == pytest.approx((0.005, 0.02))
+    assert (a.r_f, a.r_c) == pytest.approx((0.005, 0.05))
 
 
 def test_small_steps_bound_the_first_and_smallest() -> None:

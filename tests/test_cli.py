@@ -392,12 +392,23 @@ def test_estimates() -> None:
 def test_memory_is_required(monkeypatch: pytest.MonkeyPatch, l_f: float, full: bool, refused: bool) -> None:
     monkeypatch.setattr(check, "physical_memory", lambda: 4e9)
     if not refused:
-        check.require_memory(spacing(l_f), full=full)
+        case = spacing(l_f)
+        check.require_memory(
+            case.model_copy(update={"adaptivity": case.adaptivity.model_copy(update={"calibrate": False})}), full=full
+        )
         return
     with pytest.raises(InputError) as caught:
         check.require_memory(spacing(l_f), full=full)
     assert caught.value.key == "discretization.l_f"
     assert ("without full resolution" in caught.value.allowed) == full
+
+
+def test_calibration_needs_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(check, "physical_memory", lambda: 4e9)
+    with pytest.raises(InputError) as caught:
+        check.require_memory(spacing(0.001))
+    assert caught.value.key == "adaptivity.calibrate"
+    assert "false" in caught.value.allowed
 
 
 def test_run_refuses_what_does_not_fit(tiny: Path, fake: type[FakeSimulation]) -> None:
