@@ -1,7 +1,7 @@
 """Calibrate f_t and G_t of the half-notched beam of Grégoire et al. (2013) to their measured load-CMOD band.
 
-A grid of both parameters is run with the first seed; the values in the case file are then run with all seeds. A run is judged by its
-excursion: by how much its load leaves the measured band, as per cent of the largest measured load.
+A grid of both parameters is run with the first seed; the values in the case file are then run with all seeds. A run is
+judged by its excursion: by how much its load leaves the measured band, as per cent of the largest measured load.
 """
 
 from __future__ import annotations

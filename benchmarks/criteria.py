@@ -14,6 +14,7 @@ from common import Check, Report, changed, difference, example, main, measured, 
 from fissura import Case
 
 CRITERIA = ("utilisation", "rankine")
+#: The gamma of the case joins these.
 GAMMAS = (0.5, 0.7, 0.8, 0.9)
 #: Radii of the refined balls in fine spacings.
 RADII = (3.0, 4.0, 5.0)
@@ -32,7 +33,7 @@ def produce(found: argparse.Namespace) -> Report:
         say(f"{name}, seed {seed}: full resolution")
         case = example(name, seed)
         full = measured(case, full=True)
-        for criterion, gamma, radius in product(CRITERIA, GAMMAS, RADII):
+        for criterion, gamma, radius in product(CRITERIA, sorted({*GAMMAS, case.adaptivity.gamma}), RADII):
             row = {"case": name, "seed": seed, "criterion": criterion, "gamma": gamma, "r_f/l_f": radius}
             row["default"] = _is_default(case, criterion, gamma, radius)
             rows.append(row | difference(measured(_with(case, criterion, gamma, radius)), full))
@@ -52,13 +53,18 @@ def _is_default(case: Case, criterion: str, gamma: float, radius: float) -> bool
     return part.criterion == criterion and part.gamma == gamma and same_radius
 
 
+def _key(row: dict[str, Any]) -> tuple[str, float, float]:
+    return row["criterion"], row["gamma"], row["r_f/l_f"]
+
+
 def _markdown(rows: list[dict[str, Any]]) -> str:
     parts = ["## Refinement criteria", TEXT]
     heads = ["criterion", "γ", "r_f / l_f", "load, largest [%]", "peak [%]", "elastic utilisation", "bodies", "ratio"]
     for name in dict.fromkeys(row["case"] for row in rows):
         lines = []
-        for key in product(CRITERIA, GAMMAS, RADII):
-            chosen = [r for r in rows if r["case"] == name and (r["criterion"], r["gamma"], r["r_f/l_f"]) == key]
+        of_case = [row for row in rows if row["case"] == name]
+        for key in dict.fromkeys(_key(row) for row in of_case):
+            chosen = [row for row in of_case if _key(row) == key]
             mark = "**" if chosen[0]["default"] else ""
             note = "" if all(row["finished"] for row in chosen) else " (stopped early)"
             numbers = [

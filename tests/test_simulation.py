@@ -80,7 +80,7 @@ def test_energy_balance(kind, full):
     """Work of the load is stored or dissipated; at every step, not only at the end.
 
     A refinement settles the state on a structure of other stiffness, which the sum of steps does not see: that was
-    0.2 % of the work with the default radius, 1.0 % with half of it. Full runs balance to 3e-6.
+    0.1 to 0.2 % of the work with the default radius, 1.0 % with half of it. Full runs balance to 3e-6.
     """
     _, steps = done(kind, full)
     work = np.array([s.work for s in steps])
@@ -205,7 +205,11 @@ def test_refinement_adds_bodies_and_only_then():
 
 @pytest.mark.parametrize("criterion", ["utilisation", "rankine"])
 def test_no_body_is_critical_when_a_step_is_accepted(criterion):
-    case = beam(discretization={"l_f": 0.008}, adaptivity={"r_f": 0.012, "criterion": criterion, "gamma": 0.6})
+    case = beam(
+        discretization={"l_f": 0.008},
+        adaptivity={"r_f": 0.012, "criterion": criterion, "gamma": 0.6},
+        control={"target": 5e-5},
+    )
     steps = list(Simulation(case).steps())
     assert sum(s.refinements for s in steps) > 0
     for step in steps:
@@ -215,8 +219,8 @@ def test_no_body_is_critical_when_a_step_is_accepted(criterion):
 
 
 def test_elastic_utilisation_stays_below_gamma():
-    _, steps = done("default", False)
-    assert max(s.max_elastic_utilisation for s in steps) <= 0.7
+    simulation, steps = done("default", False)
+    assert max(s.max_elastic_utilisation for s in steps) <= simulation.case.adaptivity.gamma < 1
 
 
 def test_critical_centres_lie_in_the_fine_region():
@@ -260,7 +264,7 @@ def test_adaptive_run_is_the_full_run_inside_the_refined_region():
 
 @pytest.mark.parametrize("seed", [1, 3])
 def test_adaptive_run_follows_the_full_one(seed):
-    """Measured over seeds 1 to 3: peak within 0.33 %, dissipated energy within 0.2 %; r_f = 2 l_f gave up to 3 %."""
+    """Measured, seeds 1 to 3, gamma 0.7: peak within 0.33 %, dissipated energy 0.2 %; r_f = 2 l_f gave up to 3 %."""
     _, full = done("default", True, seed)
     simulation, part = done("default", False, seed)
     assert simulation.bodies_start < 0.6 * simulation.bodies_full
@@ -491,12 +495,13 @@ def test_steps_before_a_stop_are_valid():
     np.testing.assert_allclose([s.load for s in kept], expected, rtol=0.01)
 
 
-def test_shorter_steps_rescue_a_run():
-    control = {"max_iterations": 5}
-    simulation = Simulation(beam(control=control), full=True)
-    steps = list(simulation.steps())
-    assert max(s.iterations for s in steps) <= 5
-    assert len(steps) > len(done("coarse", True)[1])
+def test_few_iterations_reach_the_target_all_the_same():
+    """Steps that fail are cut or solved otherwise; the curve is the same."""
+    steps = list(Simulation(beam(control={"max_iterations": 4}), full=True).steps())
+    _, easy = done("coarse", True)
+    assert steps[-1].gauge == easy[-1].gauge
+    loads = np.interp([s.gauge for s in steps], [s.gauge for s in easy], [s.load for s in easy])
+    np.testing.assert_allclose([s.load for s in steps], loads, atol=0.02 * loads.max())
 
 
 @pytest.mark.parametrize(

@@ -120,8 +120,9 @@ def report(case: Case) -> CheckReport:
     material, machine = case.material, physical_memory()
     tension_limit = 2.0 * material.E * material.G_t / material.f_t**2
     shear_limit = 16.0 * material.alpha / 9.0 * tension_limit
-    # Saturated: no point is farther than l_f from a nucleus, so no two neighbours are more than 2 l_f apart.
-    bound = 2.0 * case.discretization.l_f if case.discretization.nuclei is None else 0.0
+    # Saturated: no point is farther than l_f from a nucleus, so no two neighbours are more than 2 l_f apart; beside
+    # a notch, where nuclei keep clear of its plane, 3 l_f.
+    bound = (3.0 if case.notch else 2.0) * case.discretization.l_f if case.discretization.nuclei is None else 0.0
     longest = max(bound, float(lengths.max(initial=0.0)))
     memory_full = estimate_memory(simulation.bodies_full)
     warnings = []

@@ -41,6 +41,9 @@ _log = logging.getLogger(__name__)
 #: Refinements of one step before the run is given up; each must add bodies, so this only stops a runaway.
 _MOST_REFINEMENTS = 60
 
+#: Failures in a row after which a step is not only shortened but also given more iterations, and how many times more.
+_CUTS, _PATIENCE = 3, 15
+
 #: Share of gamma from which bodies are refined along with critical ones.
 _AHEAD = 0.85
 
@@ -234,10 +237,12 @@ class Simulation:
         solver = StepSolver(control.tolerance, control.max_iterations)
         path = self._start()
         length = StepLength.starting(control.first_step, control.max_step, control.min_step)
+        failures = 0
         while path.now.value < control.target * (1.0 - 1e-9):
             value = length.next_value(path.now.value, control.target)
-            attempt = self._attempt(path, solver, value)
+            attempt = self._attempt(path, solver, value, _PATIENCE if failures >= _CUTS else 1)
             if attempt is None:
+                failures += 1
                 shorter = length.halved()
                 if shorter is None:
                     raise RunStopped(
@@ -249,10 +254,11 @@ class Simulation:
                 length = shorter
                 continue
             step, last = attempt
+            failures = 0
             length = length.after(last, value)
             yield step
 
-    def _attempt(self, path: _Path, solver: StepSolver, value: float) -> tuple[Step, int] | None:
+    def _attempt(self, path: _Path, solver: StepSolver, value: float, patience: int) -> tuple[Step, int] | None:
         """One step with all its refinements; None when no equilibrium was found."""
         iterations = refinements = factorizations = 0
         while True:
@@ -262,7 +268,7 @@ class Simulation:
                 guess = self._guess(path, value)
             except SingularMatrixError as error:
                 raise RunStopped(f"the structure has become a mechanism: {error}", path.number + 1, value) from error
-            found = solver.solve(system, path.now.response.history, value, guess, 0.05 * path.peak)
+            found = solver.solve(system, path.now.response.history, value, guess, 0.05 * path.peak, patience=patience)
             factorizations += system.solver.factorizations - counted
             if found is None:
                 return None

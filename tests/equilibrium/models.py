@@ -52,7 +52,7 @@ def block(size, l_f, seed, *, fine_ball=None, l_c=None, notches=()):
     """Tessellation of a box; with a fine ball (center, radius) it is coarse elsewhere."""
     box = Box(size, notches)
     l_c = 3.0 * l_f if l_c is None else l_c
-    zones = mirror.mirror_zones(box, l_f, l_c)
+    zones = mirror.mirror_zones(box, l_f)
     nuclei = Nuclei.placed(box, l_f, zones, np.random.default_rng(seed))
     region = RefinedRegion(l_f, l_c, l_f, l_c, everywhere=fine_ball is None)
     if fine_ball is not None:

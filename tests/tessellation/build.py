@@ -45,7 +45,7 @@ def box_with(*notches: dict[str, Any], size: tuple[float, float, float] = SIZE) 
 
 
 def nuclei_in(box: Box, seed: int, l_f: float = L_F, l_c: float = L_C, given: Any = None) -> Nuclei:
-    return Nuclei.placed(box, l_f, mirror_zones(box, l_f, l_c), np.random.default_rng(seed), given)
+    return Nuclei.placed(box, l_f, mirror_zones(box, l_f), np.random.default_rng(seed), given)
 
 
 def region(box: Box, centers: Any = (), *, everywhere: bool = False, r_f: float = 2 * L_F) -> RefinedRegion:

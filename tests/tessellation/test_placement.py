@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from fissura.errors import InputError
 from fissura.tessellation import discretize, expected_count, mirror_zones, placement
 
-from .build import L_C, L_F, NOTCHES, box_with, nuclei_in
+from .build import L_F, NOTCHES, box_with, nuclei_in
 
 
 def nearest_of_corners(nuclei, box):
@@ -35,7 +35,7 @@ def test_saturated(notches):
     """No room for another nucleus: 1 spacing, and 1.5 where pairs keep clear of a notch plane."""
     box = box_with(*notches)
     corners, distance = nearest_of_corners(nuclei_in(box, 1), box)
-    zone = mirror_zones(box, L_F, L_C).zone_of(corners)
+    zone = mirror_zones(box, L_F).zone_of(corners)
     assert distance[zone < 0].max() <= 1.0 + 1e-6
     assert distance.max() <= 1.5
 
@@ -69,7 +69,7 @@ def test_seed_decides():
 def test_twins_are_mirror_images(name):
     box = box_with(*NOTCHES[name])
     nuclei = nuclei_in(box, 2)
-    zones = mirror_zones(box, L_F, L_C)
+    zones = mirror_zones(box, L_F)
     paired = np.flatnonzero(nuclei.twin >= 0)
     assert len(paired)
     assert_array_equal(paired, np.flatnonzero(zones.zone_of(nuclei.x) >= 0))
@@ -139,7 +139,7 @@ def test_given_nuclei_too_close_are_left_out():
 @pytest.mark.parametrize("name", ["cut", "saw", "top"])
 def test_zones_mirror_themselves(name):
     box = box_with(*NOTCHES[name])
-    zones = mirror_zones(box, L_F, L_C)
+    zones = mirror_zones(box, L_F)
     x = np.random.default_rng(0).uniform(0.0, 1.0, (500, 3)) * box.size
     image = zones.mirrored(x)
     np.testing.assert_allclose(zones.mirrored(image), x, atol=1e-16)
@@ -174,25 +174,25 @@ def test_zones_of_opposite_notches(depth, monkeypatch):
 )
 def test_zones_in_different_planes_must_not_overlap(second):
     with pytest.raises(InputError, match=r"too close to notch\[0\]") as caught:
-        mirror_zones(box_with({"position": 0.06, "depth": 0.03}, second), L_F, L_C)
+        mirror_zones(box_with({"position": 0.06, "depth": 0.03}, second), L_F)
     assert caught.value.key == "notch[1].position"
 
 
 def test_zones_far_apart():
-    box = box_with({"position": 0.05, "depth": 0.03}, {"position": 0.15, "depth": 0.02}, size=(0.2, 0.06, 0.04))
-    zones = mirror_zones(box, L_F, L_C)
-    np.testing.assert_allclose(zones.plane, [0.05, 0.15])
-    np.testing.assert_allclose(zones.lower[:, 0], [0.01, 0.11])
-    np.testing.assert_allclose(zones.upper[:, 0], [0.09, 0.19])
+    box = box_with({"position": 0.06, "depth": 0.03}, {"position": 0.18, "depth": 0.02}, size=(0.24, 0.06, 0.04))
+    zones = mirror_zones(box, L_F)
+    np.testing.assert_allclose(zones.plane, [0.06, 0.18])
+    np.testing.assert_allclose(zones.lower[:, 0], [0.06 - 6 * L_F, 0.18 - 6 * L_F])
+    np.testing.assert_allclose(zones.upper[:, 0], [0.06 + 6 * L_F, 0.18 + 6 * L_F])
     np.testing.assert_allclose(zones.upper[:, 1], [0.03 + 1.5 * L_F, 0.02 + 1.5 * L_F])
 
 
 @pytest.mark.slow
 def test_hundred_thousand_nuclei():
-    size = (0.4, 0.4, 0.34)
+    size = (0.43, 0.43, 0.37)
     box = box_with(size=size)
     nuclei = nuclei_in(box, 0)
-    assert len(nuclei) > 70_000
+    assert len(nuclei) > 98_000
     assert abs(len(nuclei) / expected_count(size, L_F) - 1.0) < 0.02
     distance, _ = cKDTree(nuclei.x).query(nuclei.x, k=2)
     assert distance[:, 1].min() >= L_F * (1 - 1e-12)

@@ -93,7 +93,9 @@ def test_numbering_does_not_matter(centers, seed):
     order = np.random.default_rng(seed).permutation(len(NUCLEI))
     place = np.argsort(order)
     twin = NUCLEI.twin[order]
-    renumbered = Nuclei(NUCLEI.x[order], NUCLEI.priority[order], np.where(twin >= 0, place[twin], -1), L_F)
+    renumbered = Nuclei(
+        NUCLEI.x[order], NUCLEI.priority[order], np.where(twin >= 0, place[twin], -1), L_F, NUCLEI.widest[order]
+    )
     spacing = spacing_of(centers)
     kept, fine = select(NUCLEI, spacing)
     kept2, fine2 = select(renumbered, spacing[order])

@@ -68,7 +68,7 @@ class RefinedRegion:
             return np.full(len(x), -np.inf)
         nearest = np.full(len(x), np.inf)
         if len(self.centers):
-            nearest = cKDTree(self.centers).query(x)[0] - self.r_f
+            nearest = np.asarray(cKDTree(self.centers).query(x)[0], dtype=np.float64) - self.r_f
         for a, b in self.lines:
             along = b - a
             t = np.clip((x - a) @ along / (along @ along), 0.0, 1.0)
@@ -83,7 +83,7 @@ class RefinedRegion:
     def spacing(self, x: FloatArray) -> FloatArray:
         """Wanted spacing at points [m], 0 inside the region; (n, 3) -> (n,)."""
         d = self.distance(x)
-        share = np.minimum(d / self.ramp, 1.0) if self.ramp > 0.0 else np.ones(len(x))
+        share = np.clip(d / self.ramp, 0.0, 1.0) if self.ramp > 0.0 else np.ones(len(x))
         return np.where(d <= 0.0, 0.0, self.l_f + (self.l_c - self.l_f) * share)
 
 

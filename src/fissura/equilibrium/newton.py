@@ -1,8 +1,8 @@
 """Nonlinear solution of one step under indirect control (theory section 7).
 
 Unknowns are the displacements and the load multiplier; the controlled quantity ``g . u`` is prescribed. Newton's method
-with the consistent tangent goes first; the secant stiffness takes over where Newton fails, and hands back when it has
-calmed the residual.
+with the consistent tangent goes first. Where it fails, bursts of iterations with the secant stiffness alternate with
+further attempts of Newton.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 _SMALLEST_CUT = 1.0 / 16.0
+_FIRST_BURST = 4  # secant iterations before Newton is tried again; doubled each time
+_DID_WELL = 0.5  # share of the residual to which Newton must come for its result to be kept
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,8 @@ class StepSolver:
         value: float,
         guess: tuple[FloatArray, float],
         load_scale: float,
+        *,
+        patience: int = 1,
     ) -> Equilibrium | None:
         """Find equilibrium.
 
@@ -141,6 +145,9 @@ class StepSolver:
             Displacements and load multiplier to begin with.
         load_scale : float
             Load below which residuals are no longer measured against the current load [N].
+        patience : int
+            Factor on the largest number of iterations. Where a crack jumps there is no equilibrium nearby; the
+            secant iteration follows the jump, but slowly.
 
         Returns
         -------
@@ -148,38 +155,47 @@ class StepSolver:
             None when no equilibrium was found.
         """
         self._system, self._history, self._value, self._scale = system, history, value, load_scale
+        self._left = patience * self.max_iterations
         trial = self._try(guess[0].copy(), guess[1])
-        done = 0
-        newton = True
-        stalls = 0
-        secants = 0
-        while done < self.max_iterations:
-            if self._converged(trial):
-                norms = Norms(trial.size / self._reference(trial.load), trial.displacement, trial.energy)
-                return Equilibrium(trial.response, trial.load, value, norms, done)
-            done += 1
+        burst = _FIRST_BURST
+        while self._left > 0:
+            after = self._newton_phase(trial)
+            if self._converged(after):
+                trial = after
+                break
+            # A stalled Newton iteration may have left the path: go on from where it began unless it did well.
+            trial = after if after.size < _DID_WELL * trial.size else trial
             try:
-                if newton:
-                    following = self._newton(trial)
-                    stalls = stalls + 1 if following.size > 0.7 * trial.size else 0
-                    if stalls >= 2 or not np.isfinite(following.size):
-                        newton, secants, stalls = False, 0, 0
-                        _log.debug("Newton stalls at %.2e, secant takes over", following.size)
-                        if not np.isfinite(following.size) or following.size > 10.0 * trial.size:
-                            continue
-                else:
-                    following = self._secant(trial)
-                    secants += 1
-                    if secants >= 4:
-                        newton = True
+                for _ in range(burst):
+                    if self._left <= 0 or self._converged(trial):
+                        break
+                    self._left -= 1
+                    trial = self._secant(trial)
             except SingularMatrixError as error:
-                _log.debug("%s", error)
-                if not newton:
-                    return None
-                newton, secants = False, 0
-                continue
+                _log.debug("secant: %s", error)
+                return None
+            burst *= 2
+        if not self._converged(trial):
+            return None
+        norms = Norms(trial.size / self._reference(trial.load), trial.displacement, trial.energy)
+        iterations = patience * self.max_iterations - self._left
+        return Equilibrium(trial.response, trial.load, value, norms, iterations)
+
+    def _newton_phase(self, trial: _Trial) -> _Trial:
+        """Newton iterations until they converge or stall."""
+        stalls = 0
+        while self._left > 0 and not self._converged(trial) and stalls < 2:
+            self._left -= 1
+            try:
+                following = self._newton(trial)
+            except SingularMatrixError as error:
+                _log.debug("Newton: %s", error)
+                return trial
+            stalls = stalls + 1 if following.size > 0.7 * trial.size else 0
+            if not np.isfinite(following.size) or (following.size > 10.0 * trial.size and stalls > 1):
+                return trial
             trial = following
-        return None
+        return trial
 
     def _reference(self, load: float) -> float:
         system = self._system

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.errors import InputError
 from fissura.specimen.notch import FACES, Notch, notch_from_part
 
 if TYPE_CHECKING:
@@ -41,13 +42,18 @@ class Box:
         Raises
         ------
         InputError
-            A notch that does not fit.
+            A notch that does not fit, or overlaps another.
         """
         size = case.specimen.size
         many = len(case.notch) > 1
         notches = tuple(
             notch_from_part(part, size, f"notch[{k}]" if many else "notch") for k, part in enumerate(case.notch)
         )
+        for k, notch in enumerate(notches):
+            for other, earlier in enumerate(notches[:k]):
+                (low, high), (lowest, highest) = notch.bounds, earlier.bounds
+                if np.all((low <= highest) & (lowest <= high)):
+                    raise InputError(f"notch[{k}]", f"overlaps notch[{other}]", "notches apart from each other")
         return cls(size, notches)
 
     @property

@@ -174,6 +174,8 @@ def conditions_from_case(case: Case, box: Box) -> Conditions:
         raise InputError("gauge", "is missing, but control.type is 'gauge'", "a table [gauge] with a and b")
     a = patch_from_part(case.gauge.a, box, spacing, "gauge.a")
     b = patch_from_part(case.gauge.b, box, spacing, "gauge.b")
+    if a.points.shape == b.points.shape and np.allclose(a.points, b.points, rtol=0.0, atol=1e-9 * max(box.size)):
+        raise InputError("gauge.b", "is the same place as gauge.a", "another place")
     if case.gauge.direction is None:
         along = b.centroid - a.centroid
         if np.linalg.norm(along) <= 1e-9 * max(box.size):

@@ -67,6 +67,15 @@ class Notch:
         """Volume that the notch removes [m^3]."""
         return self.width * self.depth * self.size[self.through]
 
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Corners of the removed box [m]; of a cut, the corners of its plane."""
+        low, high = np.zeros(3), np.asarray(self.size, float).copy()
+        low[self.normal] = self.position - 0.5 * self.width
+        high[self.normal] = self.position + 0.5 * self.width
+        (high if self.side == 0 else low)[self.axis] = self.root
+        return low, high
+
     def height(self, x: FloatArray) -> FloatArray:
         """Distance of points above the root, negative beside the notch [m]; shape (n, 3) -> (n,)."""
         h = x[..., self.axis] - self.root

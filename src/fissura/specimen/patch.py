@@ -119,6 +119,10 @@ def patch_from_part(part: PatchPart, box: Box, spacing: float, key: str) -> Patc
     for notch in box.notches:
         outside |= notch.in_void(points)
     if outside.all():
-        raise InputError(f"{key}.at", "lies in the mouth of a notch", "a place on the specimen's surface")
+        raise InputError(
+            f"{key}.{'point' if part.point is not None else 'at'}",
+            "lies in the mouth of a notch",
+            "a place on the specimen's surface",
+        )
     points = points[~outside]
     return Patch(points, np.full(len(points), 1.0 / len(points)), axis, 2.0 * side - 1.0)

@@ -26,6 +26,10 @@ FloatArray = NDArray[np.float64]
 #: within 1.5 spacings (1 from saturation, 0.5 from the strip kept free along the plane).
 REACH = 1.5
 
+#: How far beside the notch nuclei are mirrored, in fine spacings. It bounds the size of coarse bodies there, see
+#: `MirrorZones.widest`; beyond that its value does not matter.
+BESIDE = 6.0
+
 
 @dataclass(frozen=True)
 class MirrorZones:
@@ -39,15 +43,15 @@ class MirrorZones:
         Axis normal to the plane.
     plane : (k,) array
         Coordinate of the plane [m].
-    clearance : (k,) array
-        Smallest distance of a nucleus from the plane [m].
+    clearance : float
+        Smallest distance of a nucleus from the plane, half the fine spacing [m].
     """
 
     lower: FloatArray
     upper: FloatArray
     axis: NDArray[np.int64]
     plane: FloatArray
-    clearance: FloatArray
+    clearance: float
 
     def zone_of(self, x: FloatArray) -> NDArray[np.int64]:
         """Index of the zone in which each point lies, -1 for none; shape (n, 3) -> (n,)."""
@@ -65,10 +69,22 @@ class MirrorZones:
             out[inside, axis] = 2.0 * plane - x[inside, axis]
         return out
 
+    def widest(self, x: FloatArray) -> FloatArray:
+        """Largest spacing at points [m] with which bodies see mirrored nuclei only across the plane; (n, 3) -> (n,).
 
-def _zone(notch: Notch, l_f: float, l_c: float) -> tuple[FloatArray, FloatArray]:
+        A point of the plane then has a selected nucleus inside the zone, and the same one on the other side.
+        """
+        out = np.full(len(x), np.inf)
+        zone = self.zone_of(x)
+        for k, axis in enumerate(self.axis):
+            half = 0.5 * (self.upper[k, axis] - self.lower[k, axis])
+            out[zone == k] = max(half - 2.0 * REACH * self.clearance, 0.0)
+        return out
+
+
+def _zone(notch: Notch, l_f: float) -> tuple[FloatArray, FloatArray]:
     lower, upper = np.zeros(3), np.asarray(notch.size, float).copy()
-    half = min(0.5 * notch.width + l_f + l_c, notch.position, notch.size[notch.normal] - notch.position)
+    half = min(0.5 * notch.width + BESIDE * l_f, notch.position, notch.size[notch.normal] - notch.position)
     lower[notch.normal], upper[notch.normal] = notch.position - half, notch.position + half
     if notch.side == 0:
         upper[notch.axis] = min(upper[notch.axis], notch.root + REACH * l_f)
@@ -77,32 +93,45 @@ def _zone(notch: Notch, l_f: float, l_c: float) -> tuple[FloatArray, FloatArray]
     return lower, upper
 
 
-def mirror_zones(box: Box, l_f: float, l_c: float) -> MirrorZones:
+def mirror_zones(box: Box, l_f: float) -> MirrorZones:
     """Zones of mirrored nuclei for the notches of a box.
 
-    Their half-width is what the coarsest bodies beside the notch can see of it, ``width/2 + l_f + l_c``.
+    Zones of one plane that meet, as of notches cut from opposite faces, become one.
+
+    Parameters
+    ----------
+    box : Box
+        The specimen.
+    l_f : float
+        Fine spacing [m].
 
     Raises
     ------
     InputError
         Two notches so close that their zones overlap in different planes.
     """
-    corners = [_zone(notch, l_f, l_c) for notch in box.notches]
-    for k, (lower, upper) in enumerate(corners):
-        for other in range(k):
-            overlap = np.all((lower < corners[other][1]) & (corners[other][0] < upper))
-            a, b = box.notches[k], box.notches[other]
-            if overlap and (a.normal != b.normal or a.position != b.position):
+    zones: list[tuple[FloatArray, FloatArray, int]] = []  # corners, and the number of a notch inside
+    for k, notch in enumerate(box.notches):
+        lower, upper = _zone(notch, l_f)
+        apart: list[tuple[FloatArray, FloatArray, int]] = []
+        for low, high, other in zones:
+            near = box.notches[other]
+            if np.any(lower > high + l_f) or np.any(low > upper + l_f):
+                apart.append((low, high, other))
+            elif (near.normal, near.position) == (notch.normal, notch.position):
+                lower, upper = np.minimum(lower, low), np.maximum(upper, high)
+            else:
                 raise InputError(
                     f"notch[{k}].position",
-                    f"is too close to notch[{other}]",
-                    f"notches in one plane, or at least {2 * (l_f + l_c):g} m apart",
+                    f"{notch.position:g} m is too close to notch[{other}]",
+                    f"notches in one plane, or at least {(2.0 * BESIDE + 1.0) * l_f:g} m apart beside their widths",
                 )
-    count = len(corners)
+        zones = [*apart, (lower, upper, k)]
+    count = len(zones)
     return MirrorZones(
-        np.array([c[0] for c in corners]).reshape(count, 3),
-        np.array([c[1] for c in corners]).reshape(count, 3),
-        np.array([notch.normal for notch in box.notches], dtype=np.int64),
-        np.array([notch.position for notch in box.notches], dtype=float),
-        np.array([max(0.5 * l_f, 0.5 * notch.width) for notch in box.notches], dtype=float),
+        np.array([zone[0] for zone in zones]).reshape(count, 3),
+        np.array([zone[1] for zone in zones]).reshape(count, 3),
+        np.array([box.notches[zone[2]].normal for zone in zones], dtype=np.int64),
+        np.array([box.notches[zone[2]].position for zone in zones], dtype=float),
+        0.5 * l_f,
     )

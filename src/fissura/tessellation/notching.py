@@ -123,13 +123,7 @@ def notch_walls(notch: Notch, bodies: IntArray, x: FloatArray, pairs: IntArray) 
     order = np.argsort(ends[:, 0], kind="stable")
     first = np.searchsorted(ends[order, 0], np.arange(len(x) + 1))
     neighbour = ends[order, 1]
-    half = 0.5 * notch.width
-    low, high = np.zeros(3), np.asarray(notch.size, float).copy()
-    low[notch.normal], high[notch.normal] = notch.position - half, notch.position + half
-    if notch.side == 0:
-        high[notch.axis] = notch.root
-    else:
-        low[notch.axis] = notch.root
+    low, high = notch.bounds
     walls = [
         (notch.normal, low[notch.normal], across),
         (notch.normal, high[notch.normal], -across),

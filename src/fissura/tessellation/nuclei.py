@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -34,12 +35,15 @@ class Nuclei:
         Index of the mirror image, -1 for none.
     spacing : float
         Smallest distance ``l_f`` [m].
+    widest : (n,) array
+        Largest spacing at each nucleus with which notches can be represented [m], infinite far from them.
     """
 
     x: NDArray[np.float64]
     priority: NDArray[np.int64]
     twin: NDArray[np.int64]
     spacing: float
+    widest: NDArray[np.float64]
 
     def __len__(self) -> int:
         return len(self.x)
@@ -58,7 +62,7 @@ class Nuclei:
         priority = rng.permutation(len(x))
         paired = twin >= 0
         priority[paired] = np.minimum(priority[paired], priority[twin[paired]])
-        return cls(x, priority, twin, l_f)
+        return cls(x, priority, twin, l_f, zones.widest(x))
 
 
 def read_nuclei(path: Path) -> NDArray[np.float64]:
@@ -71,14 +75,17 @@ def read_nuclei(path: Path) -> NDArray[np.float64]:
     """
     key = "discretization.nuclei"
     try:
-        x = np.load(path) if path.suffix == ".npy" else np.loadtxt(path, ndmin=2)
+        with warnings.catch_warnings(action="ignore"):  # numpy warns of empty files; the shape tells as much
+            x = np.load(path) if path.suffix == ".npy" else np.loadtxt(path, ndmin=2)
     except OSError as error:
         raise InputError(key, f"cannot read {path}: {error.strerror or error}", "a readable file") from error
-    except ValueError as error:
+    except (ValueError, EOFError) as error:
         raise InputError(key, f"{path} does not hold numbers: {error}", "x y z on each line, in m") from error
+    if not isinstance(x, np.ndarray):
+        raise InputError(key, f"{path} holds several arrays", "one array of shape (n, 3)")
     if x.ndim != 2 or x.shape[1] != 3 or not len(x):
         raise InputError(key, f"{path} holds an array of shape {x.shape}", "one row of x y z per nucleus")
-    if not np.issubdtype(x.dtype, np.number) or not np.isfinite(x).all():
+    if x.dtype.kind not in "iuf" or not np.isfinite(x).all():
         raise InputError(key, f"{path} holds values that are not finite numbers", "finite coordinates in m")
     return np.ascontiguousarray(x, dtype=np.float64)
 
@@ -98,13 +105,14 @@ def nuclei_from_case(case: Case, box: Box) -> Nuclei:
     given = None
     if part.nuclei is not None:
         given = read_nuclei(part.nuclei)
-        outside = np.any((given < 0.0) | (given > np.asarray(box.size)), axis=1)
+        margin = 1e-9 * max(box.size)  # a nucleus on the surface would coincide with its own reflection
+        outside = np.any((given <= margin) | (given >= np.asarray(box.size) - margin), axis=1)
         if outside.any():
             row = int(np.argmax(outside))
             raise InputError(
                 "discretization.nuclei",
-                f"nucleus {row + 1} at {tuple(given[row].tolist())} m is outside the specimen",
-                f"coordinates from 0 to {box.size} m",
+                f"nucleus {row + 1} at {tuple(given[row].tolist())} m is not inside the specimen",
+                f"coordinates between 0 and {box.size} m",
             )
     rng = np.random.default_rng(np.random.SeedSequence(case.seed))
-    return Nuclei.placed(box, part.l_f, mirror_zones(box, part.l_f, part.l_c), rng, given)
+    return Nuclei.placed(box, part.l_f, mirror_zones(box, part.l_f), rng, given)

@@ -113,7 +113,7 @@ def _dead(  # type: ignore[no-untyped-def]
             return False
         # Pairs keep clear of the plane.
         a = za[z]
-        below, above = zp[z] - zc[z], zp[z] + zc[z]
+        below, above = zp[z] - zc, zp[z] + zc
         if part_low[a] >= below and part_high[a] <= above:
             return True
         if part_low[a] >= below:
@@ -184,7 +184,7 @@ def _place(  # type: ignore[no-untyped-def]
             if in_void:
                 continue
             z = _zone_at(p, zl, zu)
-            if z >= 0 and abs(p[za[z]] - zp[z]) < zc[z]:
+            if z >= 0 and abs(p[za[z]] - zp[z]) < zc:
                 continue
             if not _free(p, x[:n], grid, shape, cell, l2):
                 continue
@@ -286,18 +286,7 @@ def place(
     twin : (n,) array
         Index of the mirror image of each nucleus, -1 outside the zones.
     """
-    void_lower, void_upper = [], []
-    for notch in box.notches:
-        if notch.width > 0.0:
-            low, high = np.zeros(3), np.asarray(box.size, float).copy()
-            low[notch.normal] = notch.position - 0.5 * notch.width
-            high[notch.normal] = notch.position + 0.5 * notch.width
-            if notch.side == 0:
-                high[notch.axis] = notch.root
-            else:
-                low[notch.axis] = notch.root
-            void_lower.append(low)
-            void_upper.append(high)
+    voids = [notch.bounds for notch in box.notches if notch.width > 0.0]
     x, twin, _ = _place(
         np.asarray(box.size, float),
         spacing,
@@ -306,8 +295,8 @@ def place(
         zones.axis,
         zones.plane,
         zones.clearance,
-        np.array(void_lower).reshape(-1, 3),
-        np.array(void_upper).reshape(-1, 3),
+        np.array([low for low, _ in voids]).reshape(-1, 3),
+        np.array([high for _, high in voids]).reshape(-1, 3),
         np.empty((0, 3)) if given is None else np.ascontiguousarray(given, float),
         rng,
         _MAX_LEVEL,

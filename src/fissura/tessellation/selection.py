@@ -74,7 +74,8 @@ def select(nuclei: Nuclei, spacing: NDArray[np.float64]) -> tuple[NDArray[np.int
     nuclei : Nuclei
         All fine nuclei.
     spacing : (n,) array
-        Wanted spacing at every nucleus [m], 0 inside the refined region.
+        Wanted spacing at every nucleus [m], 0 inside the refined region. Beside notches it is limited by
+        ``nuclei.widest``.
 
     Returns
     -------
@@ -83,7 +84,7 @@ def select(nuclei: Nuclei, spacing: NDArray[np.float64]) -> tuple[NDArray[np.int
     fine : (k,) bool array
         Which of them lie in the refined region.
     """
-    spacing = spacing.copy()
+    spacing = np.where(spacing > 0.0, np.minimum(spacing, np.maximum(nuclei.widest, nuclei.spacing)), 0.0)
     paired = nuclei.twin >= 0
     spacing[paired] = np.minimum(spacing[paired], spacing[nuclei.twin[paired]])
     order = np.argsort(nuclei.priority, kind="stable")
