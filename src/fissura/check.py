@@ -33,8 +33,9 @@ class CheckReport:
         Estimated memory [bytes] of the first discretization and of full resolution.
     memory_machine : float
         Memory of this machine [bytes].
-    tension_limit, shear_limit : float
-        Limits [m] on the length of a fine contact: ``2 E G_t / f_t^2``, and ``16 alpha / 9`` times that.
+    tension_limit, shear_limit, mixed_limit : float
+        Limits [m] on the length of a fine contact: no snap-back in tension, none in shear, and shear less brittle
+        than tension.
     longest_contact : float
         Longest fine contact [m] there can be: that of the first discretization, or twice ``l_f``.
     control : str
@@ -57,6 +58,7 @@ class CheckReport:
     memory_machine: float
     tension_limit: float
     shear_limit: float
+    mixed_limit: float
     longest_contact: float
     control: str
     target: float
@@ -84,6 +86,7 @@ class CheckReport:
             ("longest fine contact", f"{self.longest_contact * 1e3:.4g} mm"),
             ("limit in tension", f"{self.tension_limit * 1e3:.4g} mm"),
             ("limit in shear", f"{self.shear_limit * 1e3:.4g} mm"),
+            ("limit of both together", f"{self.mixed_limit * 1e3:.4g} mm"),
             ("control", f"{self.control}, to {self.target * 1e3:.4g} mm"),
             ("steps", f"{self.fewest_steps} or more, each at most {self.max_step * 1e6:.4g} µm"),
         ]
@@ -108,6 +111,7 @@ def report(case: Case) -> CheckReport:
         If anything in the case is wrong, or the specimen does not fit into memory.
     """
     require_memory(case)
+    from fissura.material import material_from_case
     from fissura.simulation import Simulation
 
     if case.output.measured is not None:
@@ -117,22 +121,20 @@ def report(case: Case) -> CheckReport:
     simulation = Simulation(case)
     contacts = simulation.tessellation.contacts
     lengths = contacts.length[contacts.fine]
-    material, machine = case.material, physical_memory()
-    tension_limit = 2.0 * material.E * material.G_t / material.f_t**2
-    shear_limit = 16.0 * material.alpha / 9.0 * tension_limit
+    material, machine = material_from_case(case), physical_memory()
     # Saturated: no point is farther than l_f from a nucleus, so no two neighbours are more than 2 l_f apart; beside
     # a notch, where nuclei keep clear of its plane, 3 l_f.
     bound = (3.0 if case.notch else 2.0) * case.discretization.l_f if case.discretization.nuclei is None else 0.0
     longest = max(bound, float(lengths.max(initial=0.0)))
     memory_full = estimate_memory(simulation.bodies_full)
     warnings = []
-    if longest >= min(tension_limit, shear_limit):
+    if longest >= material.longest:
         warnings.append("a fine contact may be longer than the law allows: the run would stop there")
     if memory_full > machine:
         warnings.append("full resolution does not fit into the memory of this machine")
     return CheckReport(
         name=case.name,
-        law=material.law,
+        law=case.material.law,
         criterion=case.adaptivity.criterion,
         bodies_start=simulation.bodies_start,
         bodies_full=simulation.bodies_full,
@@ -141,8 +143,9 @@ def report(case: Case) -> CheckReport:
         memory_start=estimate_memory(simulation.bodies_start),
         memory_full=memory_full,
         memory_machine=machine,
-        tension_limit=tension_limit,
-        shear_limit=shear_limit,
+        tension_limit=material.longest_tension,
+        shear_limit=material.longest_shear,
+        mixed_limit=material.longest_mixed,
         longest_contact=longest,
         control="displacement of the load" if case.control.type == "displacement" else "gauge",
         target=case.control.target,

@@ -42,7 +42,7 @@ _log = logging.getLogger(__name__)
 _MOST_REFINEMENTS = 60
 
 #: Failures in a row after which a step is not only shortened but also given more iterations, and how many times more.
-_CUTS, _PATIENCE = 3, 15
+_CUTS, _PATIENCE = 1, 15
 
 #: Share of gamma from which bodies are refined along with critical ones.
 _AHEAD = 0.85
@@ -244,6 +244,9 @@ class Simulation:
             if attempt is None:
                 failures += 1
                 shorter = length.halved()
+                if shorter is None and failures <= _CUTS:
+                    failures = _CUTS
+                    continue
                 if shorter is None:
                     raise RunStopped(
                         f"no equilibrium within {control.max_iterations} iterations, even with a step of"

@@ -277,10 +277,12 @@ def test_no_contacts():
 
 
 def test_too_long_contact():
-    """The message names the limit, ``(16 alpha / 9) 2 E G_t / f_t^2`` here."""
-    limit = 16 * CONCRETE.alpha / 9 * 2 * CONCRETE.E * CONCRETE.G_t / CONCRETE.f_t**2
+    """The message names the limit; here shear would soften as fast as tension."""
+    limit = 7 / 9 * CONCRETE.alpha / (1 - CONCRETE.alpha) * 2 * CONCRETE.E * CONCRETE.G_t / CONCRETE.f_t**2
     with pytest.raises(InputError, match=f"{limit * 1e3:.4g} mm") as caught:
-        CusatisCedolin.create(CONCRETE, np.array([0.01, 1.01 * limit]))
+        CusatisCedolin.create(CONCRETE, np.array([0.01, 1.001 * limit]))
+    law = CusatisCedolin.create(CONCRETE, np.array([0.999 * limit]))
+    assert law.k_s[0] == pytest.approx(law.k_t[0], rel=0.01)
     assert caught.value.key == "discretization.l_f"
     assert caught.value.allowed
 

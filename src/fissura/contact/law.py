@@ -203,24 +203,24 @@ class CusatisCedolin:
             A contact longer than the law allows without snap-back.
         """
         m = material
-        longest = min(m.longest_tension, m.longest_shear)
+        if m.longest_mixed <= 0.0:
+            raise InputError(
+                "material.G_s",
+                f"{m.G_s:g} J/m^2: shear softens faster than tension",
+                f"more than {m.G_t * m.f_s**2 / m.f_t**2:g} J/m^2, G_t f_s^2 / f_t^2",
+            )
+        longest = m.longest
         top = float(length.max(initial=0.0))
         if top >= longest:
             raise InputError(
                 "discretization.l_f",
-                f"a fine contact is {top * 1e3:.4g} mm long, but this material softens without snap-back only below"
+                f"a fine contact is {top * 1e3:.4g} mm long, but this material softens properly only below"
                 f" {longest * 1e3:.4g} mm",
                 "a smaller l_f, a larger material.G_t or a smaller material.f_t",
             )
         omega0 = transition_angle(m)
         k_t = 2.0 * m.E * m.f_t**2 * length / (2.0 * m.E * m.G_t - m.f_t**2 * length)
         k_s = 2.0 * m.alpha * m.E * m.f_s**2 * length / (2.0 * m.alpha * m.E * m.G_s - m.f_s**2 * length)
-        if np.any(k_s >= k_t):
-            raise InputError(
-                "material.G_s",
-                "shear softens faster than tension for some contacts",
-                "f_s^2 / (alpha G_s) smaller than f_t^2 / G_t",
-            )
         n_t = np.log(k_t / (k_t - k_s)) / np.log(1.0 - 2.0 * omega0 / np.pi)
         return cls(m, length, np.ones(len(length)) if scale is None else scale, k_t, k_s, n_t, omega0)
 

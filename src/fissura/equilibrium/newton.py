@@ -183,7 +183,8 @@ class StepSolver:
 
     def _newton_phase(self, trial: _Trial) -> _Trial:
         """Newton iterations until they converge or stall."""
-        stalls = 0
+        # Against the least residual so far: an iteration that alternates between two states stalls as well.
+        stalls, least = 0, trial.size
         while self._left > 0 and not self._converged(trial) and stalls < 2:
             self._left -= 1
             try:
@@ -191,7 +192,8 @@ class StepSolver:
             except SingularMatrixError as error:
                 _log.debug("Newton: %s", error)
                 return trial
-            stalls = stalls + 1 if following.size > 0.7 * trial.size else 0
+            stalls = stalls + 1 if following.size > 0.7 * least else 0
+            least = min(least, following.size)
             if not np.isfinite(following.size) or (following.size > 10.0 * trial.size and stalls > 1):
                 return trial
             trial = following

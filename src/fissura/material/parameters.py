@@ -62,6 +62,23 @@ class Material:
         """Contact length [m] at which shear softening would snap back, ``2 alpha E G_s / f_s^2``."""
         return 2.0 * self.alpha * self.E * self.G_s / self.f_s**2
 
+    @property
+    def longest_mixed(self) -> float:
+        """Contact length [m] at which shear would soften as fast as tension, so that ``K_s = K_t``.
+
+        With the default ratios ``(7/9) l_t alpha / (1 - alpha)``; negative where shear is the more brittle at any
+        length.
+        """
+        surplus = self.G_s / self.f_s**2 - self.G_t / self.f_t**2
+        if self.alpha >= 1.0:
+            return float("inf") if surplus > 0.0 else -float("inf")
+        return 2.0 * self.alpha * self.E / (1.0 - self.alpha) * surplus
+
+    @property
+    def longest(self) -> float:
+        """Length [m] that a contact with damage must not reach: the least of the three limits."""
+        return min(self.longest_tension, self.longest_shear, self.longest_mixed)
+
 
 def material_from_case(case: Case) -> Material:
     """Material of a case."""
