@@ -80,8 +80,8 @@ def test_defaults() -> None:
     assert (a.criterion, a.gamma, a.r_f, a.r_c, a.notch_tips, a.regions) == (
         "utilisation",
         0.75,
-        0.04,
-        0.16,
+        0.06,
+        0.14,
         True,
         (),
     )
@@ -110,7 +110,7 @@ def test_a_table_is_a_list_of_one_and_absent_is_none() -> None:
 
 def test_radii_follow_the_spacings_that_are_given() -> None:
     a = case_from_dict(changed(discretization__l_c="15 mm", adaptivity__r_f="5 mm")).adaptivity
-    assert (a.r_f, a.r_c) == pytest.approx((0.005, 0.05))
+    assert (a.r_f, a.r_c) == pytest.approx((0.005, 0.035))
 
 
 def test_small_steps_bound_the_first_and_smallest() -> None:

@@ -275,8 +275,8 @@ class Case(Part):
         spacing = info.data.get("discretization")
         if spacing is None:  # itself wrong, and reported so
             return value
-        r_f = 4.0 * spacing.l_f if math.isnan(value.r_f) else value.r_f
-        r_c = r_f + 3.0 * spacing.l_c if math.isnan(value.r_c) else value.r_c
+        r_f = 6.0 * spacing.l_f if math.isnan(value.r_f) else value.r_f
+        r_c = r_f + 2.0 * spacing.l_c if math.isnan(value.r_c) else value.r_c
         if r_f > r_c:
             fail(f"{r_f:g} m is larger than r_c = {r_c:g} m", "r_f at most r_c", "r_f")
         return value.model_copy(update={"r_f": r_f, "r_c": r_c})

@@ -48,6 +48,7 @@ class View:
 
     bodies: list[FloatArray]
     colours: list[str]
+    edges: list[str]
     cracks: list[FloatArray]
     outline: list[FloatArray]
     openings: FloatArray
@@ -129,9 +130,12 @@ def _view(snapshot: Snapshot) -> View:
     shown = np.flatnonzero((opening[of] > SHOWN * largest) & (opening[of] > 0))
     shown = shown[np.argsort(opening[of[shown]], kind="stable")]
     fine = tessellation.fine[surface.body[facet]]
+    pieces = np.bincount(facet)
     return View(
         bodies=[polygons[k] for k in on_front],
         colours=[FINE if fine[k] else COARSE for k in on_front],
+        # A facet that a notch cut into pieces has no edges between them; its neighbours draw the outer ones.
+        edges=[EDGE if pieces[facet[k]] == 1 else FINE if fine[k] else COARSE for k in on_front],
         cracks=[shapes[k] for k in shown],
         outline=[np.vstack([polygons[k], polygons[k][:1]]) for k in edge_on],
         openings=opening[of[shown]],
@@ -146,7 +150,7 @@ def _projected(polygons: Polygons) -> list[FloatArray]:
 
 def _draw(axes: Axes, view: View, window: FloatArray, scale: float) -> None:
     axes.add_collection(
-        PolyCollection(view.bodies, facecolors=view.colours, edgecolors=EDGE, linewidths=0.3 * scale, zorder=2)
+        PolyCollection(view.bodies, facecolors=view.colours, edgecolors=view.edges, linewidths=0.3 * scale, zorder=2)
     )
     colours = HEAT(view.norm(view.openings))
     axes.add_collection(

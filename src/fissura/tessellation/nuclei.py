@@ -76,13 +76,15 @@ def read_nuclei(path: Path) -> NDArray[np.float64]:
     key = "discretization.nuclei"
     try:
         with warnings.catch_warnings(action="ignore"):  # numpy warns of empty files; the shape tells as much
-            x = np.load(path) if path.suffix == ".npy" else np.loadtxt(path, ndmin=2)
+            if path.suffix == ".npy":
+                with path.open("rb") as file:
+                    x = np.lib.format.read_array(file)
+            else:
+                x = np.loadtxt(path, ndmin=2)
     except OSError as error:
         raise InputError(key, f"cannot read {path}: {error.strerror or error}", "a readable file") from error
     except (ValueError, EOFError) as error:
         raise InputError(key, f"{path} does not hold numbers: {error}", "x y z on each line, in m") from error
-    if not isinstance(x, np.ndarray):
-        raise InputError(key, f"{path} holds several arrays", "one array of shape (n, 3)")
     if x.ndim != 2 or x.shape[1] != 3 or not len(x):
         raise InputError(key, f"{path} holds an array of shape {x.shape}", "one row of x y z per nucleus")
     if x.dtype.kind not in "iuf" or not np.isfinite(x).all():
