@@ -30,14 +30,14 @@ def done(kind, full, seed=1):
     changes = {
         "coarse": {},
         "saw cut": {"notch": {"width": 0.002}},
-        "default": {"discretization": {"l_f": 0.006, "l_c": 0.02}},
+        "graded": {"discretization": {"l_f": 0.006, "l_c": 0.02}, "adaptivity": {"r_f": 0.024}},
         "refining": REFINING,
     }[kind]
     simulation = Simulation(beam(seed=seed, **changes), full=full)
     return simulation, list(simulation.steps())
 
 
-KINDS = [("coarse", True), ("coarse", False), ("saw cut", True), ("default", False), ("refining", False)]
+KINDS = [("coarse", True), ("coarse", False), ("saw cut", True), ("graded", False), ("refining", False)]
 every_kind = pytest.mark.parametrize(("kind", "full"), KINDS)
 
 
@@ -219,7 +219,7 @@ def test_no_body_is_critical_when_a_step_is_accepted(criterion):
 
 
 def test_elastic_utilisation_stays_below_gamma():
-    simulation, steps = done("default", False)
+    simulation, steps = done("graded", False)
     assert max(s.max_elastic_utilisation for s in steps) <= simulation.case.adaptivity.gamma < 1
 
 
@@ -236,8 +236,8 @@ def test_critical_centres_lie_in_the_fine_region():
 
 def test_adaptive_run_is_the_full_run_inside_the_refined_region():
     """Contacts of bodies all of whose neighbourhood is fine have the geometry of the full model."""
-    full = done("default", True)[1][-1].snapshot.tessellation
-    for kind in ("default", "refining"):
+    full = done("graded", True)[1][-1].snapshot.tessellation
+    for kind in ("graded", "refining"):
         if kind == "refining":
             full = Simulation(beam(**REFINING), full=True).tessellation
         part = done(kind, False)[1][-1].snapshot.tessellation
@@ -265,8 +265,8 @@ def test_adaptive_run_is_the_full_run_inside_the_refined_region():
 @pytest.mark.parametrize("seed", [1, 3])
 def test_adaptive_run_follows_the_full_one(seed):
     """Measured, seeds 1 to 3, gamma 0.7: peak within 0.33 %, dissipated energy 0.2 %; r_f = 2 l_f gave up to 3 %."""
-    _, full = done("default", True, seed)
-    simulation, part = done("default", False, seed)
+    _, full = done("graded", True, seed)
+    simulation, part = done("graded", False, seed)
     assert simulation.bodies_start < 0.6 * simulation.bodies_full
     peak = max(s.load for s in full)
     assert max(s.load for s in part) == pytest.approx(peak, rel=0.01)
@@ -278,7 +278,8 @@ def test_adaptive_run_follows_the_full_one(seed):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_initial_stiffness_is_that_of_full_resolution(seed):
-    def stiffness(full, **adaptivity):
+    def stiffness(full, **changes):
+        adaptivity = {"r_f": 0.014, "r_c": 0.035} | changes
         simulation = Simulation(
             beam(seed=seed, discretization={"l_f": 0.007, "l_c": 0.021}, adaptivity=adaptivity), full=full
         )
@@ -287,9 +288,8 @@ def test_initial_stiffness_is_that_of_full_resolution(seed):
 
     exact = stiffness(True)
     assert stiffness(False) == pytest.approx(exact, rel=2e-4)
-    # Without calibration the thick boundary layer of coarse bodies shows: 0.1 to 0.5 % here, up to 3 % where the
-    # coarse part is larger (l_f = 5 mm, l_c = 20 mm).
-    assert stiffness(False, calibrate=False) == pytest.approx(exact, rel=0.03)
+    # Without calibration the coarse bodies show; so few and so near to the tip they are 1 to 14 % off.
+    assert stiffness(False, calibrate=False) == pytest.approx(exact, rel=0.2)
 
 
 def test_initial_stiffness_is_the_slope_of_the_first_step():
@@ -482,17 +482,24 @@ def test_nuclei_from_a_file_give_the_same_specimen(tmp_path):
 # --- what can go wrong -------------------------------------------------------------------------------------------
 
 
-def test_steps_before_a_stop_are_valid():
-    """Steps that may not be cut, with few iterations and a strict tolerance: elastic ones converge only."""
-    step = 1e-4 / 50
-    control = {"max_iterations": 1, "tolerance": 1e-9, "first_step": step, "min_step": step}
+def test_steps_before_a_stop_are_valid(monkeypatch):
+    """Beyond some opening no equilibrium is found any more: the run ends with what it has, after trying small steps."""
+    last, tried = 1.1e-5, []
+    solve = fissura.simulation.StepSolver.solve
+
+    def failing(self, system, history, value, *rest, **more):
+        tried.append(value)
+        return None if value > last else solve(self, system, history, value, *rest, **more)
+
+    monkeypatch.setattr(fissura.simulation.StepSolver, "solve", failing)
+    case = beam(control={"min_step": 1e-7})
     kept = []
     with pytest.raises(RunStopped, match="min_step") as caught:  # noqa: PT012
-        for accepted in Simulation(beam(control=control), full=True).steps():
+        for accepted in Simulation(case, full=True).steps():
             kept.append(accepted)
-    assert len(kept) >= 1
     assert caught.value.step == len(kept) + 1
-    assert caught.value.gauge == pytest.approx(kept[-1].gauge + step)
+    assert last - 2e-7 < kept[-1].gauge <= last < caught.value.gauge == tried[-1]
+    assert tried[-1] - kept[-1].gauge < 2e-7
     _, full = done("coarse", True)
     expected = np.interp([s.gauge for s in kept], [0, *(s.gauge for s in full)], [0, *(s.load for s in full)])
     np.testing.assert_allclose([s.load for s in kept], expected, rtol=0.01)

@@ -41,7 +41,8 @@ _log = logging.getLogger(__name__)
 #: Refinements of one step before the run is given up; each must add bodies, so this only stops a runaway.
 _MOST_REFINEMENTS = 60
 
-#: Failures in a row after which a step is not only shortened but also given more iterations, and how many times more.
+#: Failures in a row after which a step is not only shortened but also given more iterations (a few times only, since
+#: that is slow), and how many times more.
 _CUTS, _PATIENCE = 1, 15
 
 #: Share of gamma from which bodies are refined along with critical ones.
@@ -100,9 +101,9 @@ class Step:
     bodies, fine_bodies : int
         Bodies, and those of them in the refined region.
     refinements : int
-        Re-tessellations in this step.
+        Re-tessellations since the step before.
     iterations, factorizations : int
-        Nonlinear iterations and factorizations, repeats of the step included.
+        Nonlinear iterations and factorizations since the step before, repeats and failed attempts included.
     dissipated, stored, work : float
         Energy dissipated so far, elastic energy now, work of the load so far [J].
     max_elastic_utilisation : float
@@ -143,6 +144,10 @@ class _Path:
     dissipated: float = 0.0
     work: float = 0.0
     peak: float = 0.0
+    # Since the last accepted step, attempts that failed included:
+    iterations: int = 0
+    factorizations: int = 0
+    refinements: int = 0
 
 
 class Simulation:
@@ -240,7 +245,8 @@ class Simulation:
         failures = 0
         while path.now.value < control.target * (1.0 - 1e-9):
             value = length.next_value(path.now.value, control.target)
-            attempt = self._attempt(path, solver, value, _PATIENCE if failures >= _CUTS else 1)
+            patient = _CUTS <= failures < 2 * _CUTS + 2
+            attempt = self._attempt(path, solver, value, _PATIENCE if patient else 1)
             if attempt is None:
                 failures += 1
                 shorter = length.halved()
@@ -263,7 +269,7 @@ class Simulation:
 
     def _attempt(self, path: _Path, solver: StepSolver, value: float, patience: int) -> tuple[Step, int] | None:
         """One step with all its refinements; None when no equilibrium was found."""
-        iterations = refinements = factorizations = 0
+        refinements = 0
         while True:
             system = path.system
             counted = system.solver.factorizations
@@ -272,10 +278,11 @@ class Simulation:
             except SingularMatrixError as error:
                 raise RunStopped(f"the structure has become a mechanism: {error}", path.number + 1, value) from error
             found = solver.solve(system, path.now.response.history, value, guess, 0.05 * path.peak, patience=patience)
-            factorizations += system.solver.factorizations - counted
+            path.factorizations += system.solver.factorizations - counted
             if found is None:
+                path.iterations += patience * solver.max_iterations
                 return None
-            iterations += found.iterations
+            path.iterations += found.iterations
             utilisation = system.elastic_utilisation(found.response)
             stress = system.stress(found.response, found.load)
             state = ElasticState(
@@ -289,6 +296,7 @@ class Simulation:
             if not critical.any():
                 break
             refinements += 1
+            path.refinements += 1
             if refinements > _MOST_REFINEMENTS:
                 raise RunStopped(f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, value)
             # Bodies that would be critical soon are taken along: re-tessellation costs more than a few bodies.
@@ -299,11 +307,8 @@ class Simulation:
                 raise RunStopped(
                     f"the refined discretization cannot be used: {error}", path.number + 1, value
                 ) from error
-            factorizations += path.system.solver.factorizations
-        step = self._accept(path, found, criterion, utilisation, stress)
-        return replace(
-            step, iterations=iterations, refinements=refinements, factorizations=factorizations
-        ), found.iterations
+            path.factorizations += path.system.solver.factorizations
+        return self._accept(path, found, criterion, utilisation, stress), found.iterations
 
     def _guess(self, path: _Path, value: float) -> tuple[FloatArray, float]:
         """Displacements and load with which the iteration begins: extrapolated from the last two states."""
@@ -353,16 +358,16 @@ class Simulation:
         path.number += 1
         path.displacement, path.load = displacement, found.load
         path.peak = max(path.peak, abs(found.load))
-        return Step(
+        step = Step(
             number=path.number,
             gauge=found.value,
             load=found.load,
             load_displacement=displacement,
             bodies=len(system.tessellation),
             fine_bodies=int(system.tessellation.fine.sum()),
-            refinements=0,
-            iterations=found.iterations,
-            factorizations=0,
+            refinements=path.refinements,
+            iterations=path.iterations,
+            factorizations=path.factorizations,
             dissipated=path.dissipated,
             stored=system.stored(found.response),
             work=path.work,
@@ -370,6 +375,8 @@ class Simulation:
             residual=found.norms.force,
             snapshot=self._snapshot(system, found, criterion, stress),
         )
+        path.iterations = path.factorizations = path.refinements = 0
+        return step
 
     def _snapshot(self, system: System, found: Equilibrium, criterion: FloatArray, stress: FloatArray) -> Snapshot:
         contacts = system.tessellation.contacts
