@@ -14,7 +14,8 @@ from fissura.errors import InputError, RunStopped
 if TYPE_CHECKING:
     from fissura.results import Result
     from fissura.results.recorder import Recorder
-    from fissura.simulation import Simulation, Step
+    from fissura.simulation import Simulation
+    from fissura.step import Step
 
 __all__ = ["prepare_folder", "run"]
 

@@ -13,7 +13,8 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn
 from fissura.results.quantities import force, length
 
 if TYPE_CHECKING:
-    from fissura.simulation import Simulation, Step
+    from fissura.simulation import Simulation
+    from fissura.step import Step
 
 __all__ = ["RunProgress", "duration"]
 

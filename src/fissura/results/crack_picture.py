@@ -20,7 +20,7 @@ from fissura.results.pictures import DPI, INK, headline, tidy
 from fissura.results.result import Result
 
 if TYPE_CHECKING:
-    from fissura.simulation import Snapshot
+    from fissura.step import Snapshot
     from fissura.tessellation.structure import Polygons
 
 __all__ = ["plot_crack"]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fissura.errors import InputError
 
 if TYPE_CHECKING:
-    from fissura.simulation import Step
+    from fissura.step import Step
 
 __all__ = ["COLUMNS", "Curve", "CurveWriter", "columns", "read_curve", "row"]
 

@@ -15,7 +15,8 @@ from fissura.results.state import write_state
 from fissura.results.summary import build_summary, write_atomically, write_summary
 
 if TYPE_CHECKING:
-    from fissura.simulation import Simulation, Step
+    from fissura.simulation import Simulation
+    from fissura.step import Step
 
 __all__ = ["Recorder"]
 

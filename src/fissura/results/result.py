@@ -19,7 +19,7 @@ from fissura.results.summary import read_summary
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.simulation import Snapshot
+    from fissura.step import Snapshot
 
 __all__ = ["Result"]
 

@@ -13,7 +13,7 @@ from fissura.results.summary import write_atomically
 from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
 
 if TYPE_CHECKING:
-    from fissura.simulation import Snapshot, Step
+    from fissura.step import Snapshot, Step
 
 __all__ = ["FORMAT", "FORMAT_VERSION", "read_state", "write_state"]
 
@@ -72,7 +72,7 @@ def read_state(path: str | Path) -> tuple[int, Snapshot]:
     InputError
         The file is missing, is something else, or is newer than this version of Fissura.
     """
-    from fissura.simulation import Snapshot
+    from fissura.step import Snapshot
 
     key, allowed = str(path), f"a {FORMAT} file of version 1 to {FORMAT_VERSION}"
     try:

@@ -16,7 +16,7 @@ from fissura.results.polyhedra import polyhedra
 from fissura.results.summary import write_atomically
 
 if TYPE_CHECKING:
-    from fissura.simulation import Snapshot
+    from fissura.step import Snapshot
 
 __all__ = ["bodies_mesh", "contacts_mesh", "write_series", "write_snapshot"]
 

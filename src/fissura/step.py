@@ -1,0 +1,96 @@
+"""What a run yields: accepted steps and their states, as data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.tessellation import Tessellation
+
+__all__ = ["Snapshot", "Step"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """State of one accepted step.
+
+    Attributes
+    ----------
+    tessellation : Tessellation
+        Bodies and contacts.
+    displacement : (n, 6) array
+        Displacements [m] and rotations of the nuclei.
+    stress : (n, 3, 3) array
+        Stress in bodies [Pa].
+    criterion : (n,) array
+        Value of the refinement criterion, 1 at strength; nan for fine bodies.
+    strain, traction : (m, 3) array
+        Strains ``e_N, e_M, e_L`` and tractions [Pa] of contacts.
+    tangents : (m, 2, 3) array
+        Unit vectors m, l.
+    damage : (m,) array
+        Damage of contacts.
+    opening : (m,) array
+        Crack opening ``L D e_N`` where ``e_N > 0`` [m].
+    """
+
+    tessellation: Tessellation
+    displacement: FloatArray
+    stress: FloatArray
+    criterion: FloatArray
+    strain: FloatArray
+    traction: FloatArray
+    tangents: FloatArray
+    damage: FloatArray
+    opening: FloatArray
+
+
+@dataclass(frozen=True)
+class Step:
+    """One accepted step.
+
+    Attributes
+    ----------
+    number : int
+        1, 2, ...
+    gauge : float
+        The controlled quantity [m].
+    load : float
+        Load [N].
+    load_displacement : float
+        Mean displacement under the load, along it [m].
+    bodies, fine_bodies : int
+        Bodies, and those of them in the refined region.
+    refinements : int
+        Re-tessellations since the step before.
+    iterations, factorizations : int
+        Nonlinear iterations and factorizations since the step before, repeats and failed attempts included.
+    dissipated, stored, work : float
+        Energy dissipated so far, elastic energy now, work of the load so far [J].
+    max_elastic_utilisation : float
+        Largest effective traction over strength among elastic contacts.
+    residual : float
+        Relative force residual.
+    snapshot : Snapshot
+        The state.
+    """
+
+    number: int
+    gauge: float
+    load: float
+    load_displacement: float
+    bodies: int
+    fine_bodies: int
+    refinements: int
+    iterations: int
+    factorizations: int
+    dissipated: float
+    stored: float
+    work: float
+    max_elastic_utilisation: float
+    residual: float
+    snapshot: Snapshot
