@@ -15,9 +15,9 @@ from fissura import Case
 
 CRITERIA = ("utilisation", "rankine")
 #: The gamma of the case joins these.
-GAMMAS = (0.5, 0.7, 0.8, 0.9)
+GAMMAS = (0.5, 0.7, 0.9)
 #: Radii of the refined balls in fine spacings.
-RADII = (3.0, 4.0, 5.0)
+RADII = (3.0, 4.0, 5.0, 6.0)
 #: Largest load difference of the default combination, for every seed [per cent].
 LIMIT = 1.0
 
