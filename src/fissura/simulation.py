@@ -191,13 +191,13 @@ class Simulation:
         refinements = 0
         while True:
             system = path.system
-            counted = system.solver.factorizations
+            counted = system.factorizations
             try:
                 guess = self._guess(path, value)
             except SingularMatrixError as error:
                 raise RunStopped(f"the structure has become a mechanism: {error}", path.number + 1, value) from error
             found = solver.solve(system, path.now.response.history, value, guess, 0.05 * path.peak, patience=patience)
-            path.factorizations += system.solver.factorizations - counted
+            path.factorizations += system.factorizations - counted
             if found is None:
                 path.iterations += patience * solver.max_iterations
                 return None
@@ -226,7 +226,7 @@ class Simulation:
                 raise RunStopped(
                     f"the refined discretization cannot be used: {error}", path.number + 1, value
                 ) from error
-            path.factorizations += path.system.solver.factorizations
+            path.factorizations += path.system.factorizations
         return self._accept(path, found, criterion, utilisation, stress), found.iterations
 
     def _guess(self, path: _Path, value: float) -> tuple[FloatArray, float]:

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import logging
 
+import numpy as np
+
 from fissura.equilibrium import System
 
 __all__ = ["calibrated", "gauge_compliance"]
@@ -23,8 +25,8 @@ _SMALLEST_SHARE = 0.01  # of the compliance: below it the coarse part cannot mat
 
 def gauge_compliance(system: System) -> float:
     """Controlled quantity per unit load of the undamaged structure [m/N]."""
-    system.solver.factor(system.secant(system.virgin()), symmetric=True)
-    return float(system.control @ system.solver.solve(system.load))
+    system.symmetric.factor(system.secant(system.virgin()))
+    return float(system.control @ system.symmetric.solve(system.load))
 
 
 def calibrated(system: System, target: float) -> System:
@@ -46,10 +48,14 @@ def calibrated(system: System, target: float) -> System:
         The same equations with elastic contacts scaled.
     """
     for _ in range(4):
-        compliance = gauge_compliance(system)
-        if abs(compliance / target - 1.0) < _ACCURACY or not len(system.passive):
+        if not len(system.passive):
             break
-        slope = system.elastic_share() * system.elastic_scale
+        system.symmetric.factor(system.secant(system.virgin()))
+        solutions = system.symmetric.solve(np.stack([system.load, system.control], axis=1))
+        compliance = float(system.control @ solutions[:, 0])
+        if abs(compliance / target - 1.0) < _ACCURACY:
+            break
+        slope = system.elastic_share(solutions) * system.elastic_scale
         if abs(slope) < _SMALLEST_SHARE * target:
             break
         inverse = 1.0 / system.elastic_scale + (target - compliance) / slope

@@ -92,8 +92,8 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
     SingularMatrixError
         The structure is a mechanism.
     """
-    system.solver.factor(system.secant(history), symmetric=True)
-    unit = system.solver.solve(system.load)
+    system.symmetric.factor(system.secant(history))
+    unit = system.symmetric.solve(system.load)
     reach = float(system.control @ unit)
     if not np.isfinite(reach) or reach == 0.0:
         raise SingularMatrixError("the load does not move the gauge")
@@ -249,7 +249,7 @@ class StepSolver:
 
     def _secant(self, trial: _Trial) -> _Trial:
         system = self._system
-        system.solver.factor(system.secant(trial.response.history), symmetric=True)
-        unit = system.solver.solve(system.load)
+        system.symmetric.factor(system.secant(trial.response.history))
+        unit = system.symmetric.solve(system.load)
         load = self._value / float(system.control @ unit)
         return self._measured(self._try(load * unit, load), trial)

@@ -20,6 +20,7 @@ from fissura.contact import (
 from fissura.equilibrium.assembly import Pattern, assemble, pattern
 from fissura.equilibrium.attach import attach, owners
 from fissura.equilibrium.direct import DirectSolver, best_solver
+from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.material import Material
 from fissura.specimen import Conditions
 from fissura.tessellation import Tessellation
@@ -108,6 +109,7 @@ class System:
         self.constant: csr_array = self._supports(rows) + self._spin()
         self.pattern: Pattern = pattern(self.geometry, self.constant)
         self.solver: DirectSolver = best_solver()(self.pattern)
+        self.symmetric = SymmetricSolver(self.pattern, tessellation.x, self.solver)
         # Moments count as forces at the arm of half a contact.
         arm = 0.5 * float(np.median(contacts.length))
         self.weights: FloatArray = np.tile(np.repeat([1.0, 1.0 / arm], 3), len(tessellation))
@@ -148,6 +150,11 @@ class System:
         rows, columns = np.concatenate([i, j, i, j]), np.concatenate([i, j, j, i])
         size = 6 * len(self.tessellation)
         return csr_array((np.concatenate([k, k, -k, -k]), (rows, columns)), shape=(size, size))
+
+    @property
+    def factorizations(self) -> int:
+        """Matrices factorized, or prepared for iterative solution, so far."""
+        return self.solver.factorizations + self.symmetric.preparations
 
     @property
     def size(self) -> int:
@@ -220,12 +227,14 @@ class System:
             forces,
         )
 
-    def elastic_share(self) -> float:
+    def elastic_share(self, solutions: FloatArray) -> float:
         """Part of the undamaged gauge compliance that is due to elastic contacts [m/N].
 
-        Needs a factorization of the undamaged stiffness.
+        Parameters
+        ----------
+        solutions : (6 n, 2) array
+            Undamaged displacements under the unit load, and under a unit force at the controlled quantity.
         """
-        solutions = self.solver.solve(np.stack([self.load, self.control], axis=1))
         a, b = (contact_strains(self.geometry, np.ascontiguousarray(u).reshape(-1, 6)) for u in solutions.T)
         each = self.geometry.volume * np.einsum("ca,ca,ca->c", a, self.moduli, b)
         return float(each[self.passive].sum())

@@ -1,0 +1,85 @@
+"""The solver for symmetric positive definite matrices: direct for small structures, iterative for large ones."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.equilibrium.assembly import Pattern
+from fissura.equilibrium.direct import DirectSolver, SingularMatrixError
+from fissura.equilibrium.two_level import TwoLevel, held_bodies
+
+__all__ = ["SymmetricSolver"]
+
+FloatArray = NDArray[np.float64]
+_log = logging.getLogger(__name__)
+
+#: From this number of bodies on the two-level solver is faster (`benchmarks/linear_solvers.py`).
+_LARGE = 2000
+
+#: Supports couple all bodies that they hold; the two-level solver pays for that with the cube of their number.
+_MOST_HELD = 250
+
+
+class SymmetricSolver:
+    """Solves with elastic and secant matrices.
+
+    Where the iterative solver does not converge, the direct one takes over for that matrix.
+
+    Parameters
+    ----------
+    form : Pattern
+        Pattern of all matrices to come.
+    x : (n, 3) array
+        Nuclei [m].
+    direct : DirectSolver
+        Direct solver for the same pattern.
+    """
+
+    def __init__(self, form: Pattern, x: FloatArray, direct: DirectSolver) -> None:
+        self._direct = direct
+        large = len(x) >= _LARGE and int(held_bodies(form).sum()) <= _MOST_HELD
+        self._iterative = TwoLevel(form, x) if large else None
+        self._data: FloatArray | None = None  # of the matrix, while the iterative solver is in charge
+
+    @property
+    def preparations(self) -> int:
+        """Times that the iterative solver was prepared for a matrix."""
+        return 0 if self._iterative is None else self._iterative.factorizations
+
+    def factor(self, data: FloatArray) -> None:
+        """Prepare for the matrix with these entries.
+
+        Raises
+        ------
+        SingularMatrixError
+            The matrix is not positive definite.
+        """
+        self._data = None
+        if self._iterative is not None:
+            try:
+                self._iterative.factor(data, symmetric=True)
+                self._data = data
+                return
+            except SingularMatrixError as error:
+                _log.debug("two-level solver: %s", error)
+        self._direct.factor(data, symmetric=True)
+
+    def solve(self, right: FloatArray) -> FloatArray:
+        """Solve for one or more right-hand sides; (6 n,) or (6 n, k).
+
+        Raises
+        ------
+        SingularMatrixError
+            The matrix is not positive definite.
+        """
+        if self._iterative is not None and self._data is not None:
+            try:
+                return self._iterative.solve(right)
+            except SingularMatrixError as error:
+                _log.debug("two-level solver: %s", error)
+                self._direct.factor(self._data, symmetric=True)
+                self._data = None
+        return self._direct.solve(right)
