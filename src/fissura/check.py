@@ -219,7 +219,8 @@ def require_memory(case: Case, *, full: bool = False) -> None:
     Raises
     ------
     InputError
-        If the nuclei of the whole specimen, or with ``full`` the solver, or calibration, need more memory than there is.
+        If the nuclei of the whole specimen, or with ``full`` the solver, or calibration, need more memory than
+        there is.
     """
     if case.discretization.nuclei is not None:
         return
