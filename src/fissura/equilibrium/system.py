@@ -74,8 +74,11 @@ class System:
         Contact law of fine contacts.
     conditions : Conditions
         Supports, load and controlled quantity.
+
+    Attributes
+    ----------
     elastic_scale : float
-        Factor on the stiffness of elastic contacts, from :func:`calibrated`.
+        Factor on the stiffness of elastic contacts; 1 unless made by :meth:`scaled`.
     """
 
     def __init__(
@@ -84,7 +87,6 @@ class System:
         material: Material,
         law: type[CusatisCedolin],
         conditions: Conditions,
-        elastic_scale: float = 1.0,
     ) -> None:
         contacts = tessellation.contacts
         self.tessellation = tessellation
@@ -95,8 +97,8 @@ class System:
         self.law = law.create(material, contacts.length[self.active])
         # Elastic contacts have no softening and hence no limit on their length: only their strength is asked for.
         self.elastic_law = law.create(material, np.full(len(self.passive), contacts.length.min()))
-        self.elastic_scale = elastic_scale
-        self.moduli = self._moduli(elastic_scale)
+        self.elastic_scale = 1.0
+        self.moduli = self._moduli(1.0)
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
         self.control: FloatArray = attach(conditions.control, tessellation).ravel()
 
