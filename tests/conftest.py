@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+from changes import ABSENT, replaced
 from fissura.case import Case, case_from_dict
 
 settings.register_profile("fissura", deadline=None, max_examples=20, derandomize=True)
@@ -40,16 +40,7 @@ def small_case() -> Callable[..., Case]:
     """
 
     def build(folder: Path | None = None, **changes: Any) -> Case:
-        data = copy.deepcopy(SMALL_BEAM)
-        for path, value in changes.items():
-            *outer, last = path.split("__")
-            table: Any = data
-            for part in outer:
-                table = table[int(part)] if part.isdigit() else table.setdefault(part, {})
-            if value is None:
-                table.pop(last)
-            else:
-                table[int(last) if last.isdigit() else last] = value
+        data = replaced(SMALL_BEAM, {path: ABSENT if value is None else value for path, value in changes.items()})
         return case_from_dict(data, folder or Path())
 
     return build

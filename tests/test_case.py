@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import subprocess
 import sys
@@ -15,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from changes import ABSENT, replaced
 from fissura.case import BallRegion, BoxRegion, Case, case_from_dict, load_case
 from fissura.case.units import ENERGY_PER_AREA, LENGTH, STRESS, to_si
 from fissura.errors import InputError
@@ -38,22 +38,11 @@ discretization.l_f = "10 mm"
 control.target = "0.1 mm"
 """
 )
-ABSENT = object()
 
 
 def changed(**changes: Any) -> dict[str, Any]:
-    """The base case with values replaced; keys are paths such as ``supports__1__at``."""
-    data = copy.deepcopy(BASE)
-    for path, value in changes.items():
-        *outer, last = path.split("__")
-        table: Any = data
-        for part in outer:
-            table = table[int(part)] if part.isdigit() else table.setdefault(part, {})
-        if value is ABSENT:
-            del table[last]
-        else:
-            table[int(last) if last.isdigit() else last] = value
-    return data
+    """The base case with values replaced."""
+    return replaced(BASE, changes)
 
 
 def error_of(**changes: Any) -> InputError:

@@ -102,7 +102,11 @@ class System:
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
         self.control: FloatArray = attach(conditions.control, tessellation).ravel()
 
-        self._conditions = conditions
+        self.conditions = conditions
+        # Places and owners of external forces, for the stress in bodies.
+        self._acting = (conditions.load, *conditions.supports)
+        self._acting_points = np.concatenate([functional.points for functional in self._acting])
+        self._acting_bodies = owners(tessellation, self._acting_points)
         rows = np.array([attach(support, tessellation).ravel() for support in conditions.supports])
         self.support_dofs: IntArray = np.flatnonzero(rows.any(axis=0))
         self.support_rows: FloatArray = rows[:, self.support_dofs]
@@ -118,10 +122,7 @@ class System:
 
     def _moduli(self, elastic_scale: float) -> FloatArray:
         """Stiffness of the three strain components of every contact [Pa], shape (m, 3)."""
-        moduli = np.tile(
-            self.material.E * np.array([1.0, self.material.alpha, self.material.alpha]),
-            (len(self.geometry), 1),
-        )
+        moduli = np.tile(self.law.elastic, (len(self.geometry), 1))
         moduli[self.passive] *= elastic_scale
         return moduli
 
@@ -217,15 +218,14 @@ class System:
     def stress(self, response: Response, load: float) -> FloatArray:
         """Stress in bodies [Pa], with the forces of load and supports at their points; shape (n, 3, 3)."""
         reactions = -self.support_stiffness * (self.support_rows @ response.u[self.support_dofs])
-        acting = [(self._conditions.load, load), *zip(self._conditions.supports, reactions, strict=True)]
-        points = np.concatenate([functional.points for functional, _ in acting])
-        forces = np.concatenate([size * functional.coefficients for functional, size in acting])
+        sizes = (load, *reactions)
+        forces = np.concatenate([f.coefficients * size for f, size in zip(self._acting, sizes, strict=True)])
         return body_stress(
             self.tessellation,
             self.geometry.frame,
             response.traction,
-            owners(self.tessellation, points),
-            points,
+            self._acting_bodies,
+            self._acting_points,
             forces,
         )
 
