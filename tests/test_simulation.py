@@ -487,9 +487,9 @@ def test_steps_before_a_stop_are_valid(monkeypatch):
     last, tried = 1.1e-5, []
     solve = fissura.simulation.StepSolver.solve
 
-    def failing(self, system, history, value, *rest, **more):
-        tried.append(value)
-        return None if value > last else solve(self, system, history, value, *rest, **more)
+    def failing(self, system, history, constraint, *rest, **more):
+        tried.append(constraint.value)
+        return None if constraint.value > last else solve(self, system, history, constraint, *rest, **more)
 
     monkeypatch.setattr(fissura.simulation.StepSolver, "solve", failing)
     case = beam(control={"min_step": 1e-7})

@@ -24,7 +24,7 @@ from fissura.adaptivity import (
     transfer_history,
 )
 from fissura.contact import law_from_case
-from fissura.equilibrium import Equilibrium, SingularMatrixError, StepLength, StepSolver, System, settle
+from fissura.equilibrium import Equilibrium, SingularMatrixError, StepLength, StepSolver, System, prescribed, settle
 from fissura.errors import InputError, RunStopped
 from fissura.material import material_from_case
 from fissura.specimen import conditions_from_case, specimen_from_case
@@ -196,7 +196,10 @@ class Simulation:
                 guess = self._guess(path, value)
             except SingularMatrixError as error:
                 raise RunStopped(f"the structure has become a mechanism: {error}", path.number + 1, value) from error
-            found = solver.solve(system, path.now.response.history, value, guess, 0.05 * path.peak, patience=patience)
+            constraint = prescribed(system.control, value)
+            found = solver.solve(
+                system, path.now.response.history, constraint, guess, 0.05 * path.peak, patience=patience
+            )
             path.factorizations += system.factorizations - counted
             if found is None:
                 path.iterations += patience * solver.max_iterations

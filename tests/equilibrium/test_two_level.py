@@ -336,3 +336,15 @@ def test_coarse_matrix_is_that_of_rigid_motions(sound):
 def test_without_pardiso(sound, monkeypatch):
     monkeypatch.setattr(module, "pymklpardiso", None)
     agrees(sound, half_cracked(sound), most=40)
+
+
+def test_one_cycle_for_other_iterations(sound):
+    """What it leaves of a right-hand side has no part in the coarse space."""
+    solver = TwoLevel(sound.pattern, sound.tessellation.x)
+    data = half_cracked(sound)
+    solver.factor(data, symmetric=True)
+    right = np.random.default_rng(1).normal(size=sound.size)
+    found = solver.apply(right)
+    rest = (right - sound.pattern.matrix(data) @ found).reshape(-1, 6)[solver._lower.order]
+    np.testing.assert_allclose(solver._coarse.restrict(rest), 0.0, atol=1e-6)
+    np.testing.assert_array_equal(found, solver.apply(right))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fissura.contact.kinematics import Kinematics, contact_strains, kinematics, nodal_forces
+from fissura.contact.kinematics import Kinematics, add_stiffness, contact_strains, kinematics, nodal_forces
 from fissura.contact.law import CusatisCedolin
 from fissura.contact.stress import body_stress
 from fissura.errors import InputError
@@ -16,6 +16,7 @@ __all__ = [
     "LAWS",
     "CusatisCedolin",
     "Kinematics",
+    "add_stiffness",
     "body_stress",
     "contact_strains",
     "kinematics",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fissura.tessellation import Contacts, Tessellation
 
-__all__ = ["Kinematics", "contact_strains", "kinematics", "nodal_forces", "tangent_directions"]
+__all__ = ["Kinematics", "add_stiffness", "contact_strains", "kinematics", "nodal_forces", "tangent_directions"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -84,16 +84,31 @@ def _strains(bodies, rows, u, out):  # type: ignore[no-untyped-def]
             out[c, a] = e
 
 
-@njit(cache=True)
-def _forces(rows, volume, first, adjacent, traction, out):  # type: ignore[no-untyped-def]
-    for b in range(len(first) - 1):
-        for k in range(first[b], first[b + 1]):
-            c, shift = adjacent[k] // 2, 6 * (adjacent[k] % 2)
+@njit(cache=True, fastmath={"contract"})
+def _forces(bodies, rows, volume, traction, out):  # type: ignore[no-untyped-def]
+    for c in range(len(rows)):
+        t0, t1, t2 = volume[c] * traction[c, 0], volume[c] * traction[c, 1], volume[c] * traction[c, 2]
+        i, j = bodies[c, 0], bodies[c, 1]
+        for d in range(6):
+            out[i, d] += rows[c, 0, d] * t0 + rows[c, 1, d] * t1 + rows[c, 2, d] * t2
+            out[j, d] += rows[c, 0, d + 6] * t0 + rows[c, 1, d + 6] * t1 + rows[c, 2, d + 6] * t2
+
+
+@njit(cache=True, fastmath={"contract"})
+def _add_stiffness(bodies, rows, volume, chosen, stiffness, u, out):  # type: ignore[no-untyped-def]
+    e, t = np.empty(3), np.empty(3)
+    for k in range(len(chosen)):
+        c = chosen[k]
+        i, j = bodies[c, 0], bodies[c, 1]
+        for a in range(3):
+            e[a] = 0.0
             for d in range(6):
-                f = 0.0
-                for a in range(3):
-                    f += rows[c, a, shift + d] * traction[c, a]
-                out[b, d] += volume[c] * f
+                e[a] += rows[c, a, d] * u[i, d] + rows[c, a, d + 6] * u[j, d]
+        for a in range(3):
+            t[a] = volume[c] * (stiffness[k, a, 0] * e[0] + stiffness[k, a, 1] * e[1] + stiffness[k, a, 2] * e[2])
+        for d in range(6):
+            out[i, d] += rows[c, 0, d] * t[0] + rows[c, 1, d] * t[1] + rows[c, 2, d] * t[2]
+            out[j, d] += rows[c, 0, d + 6] * t[0] + rows[c, 1, d + 6] * t[1] + rows[c, 2, d + 6] * t[2]
 
 
 def contact_strains(geometry: Kinematics, u: FloatArray) -> FloatArray:
@@ -106,5 +121,26 @@ def contact_strains(geometry: Kinematics, u: FloatArray) -> FloatArray:
 def nodal_forces(geometry: Kinematics, traction: FloatArray) -> FloatArray:
     """Forces and moments of contacts at the nuclei, work-conjugate to u; tractions (m, 3) [Pa] -> (n, 6) [N, N m]."""
     out = np.zeros((len(geometry.first) - 1, 6))
-    _forces(geometry.rows, geometry.volume, geometry.first, geometry.adjacent, traction, out)
+    _forces(geometry.bodies, geometry.rows, geometry.volume, traction, out)
     return out
+
+
+def add_stiffness(
+    geometry: Kinematics, chosen: IntArray, stiffness: FloatArray, u: FloatArray, forces: FloatArray
+) -> None:
+    """Add the forces of some contacts with the given stiffness to `forces`, in place.
+
+    Parameters
+    ----------
+    geometry : Kinematics
+        Contacts.
+    chosen : (k,) array
+        Which of them act.
+    stiffness : (k, 3, 3) array
+        ``ds/de`` of each [Pa].
+    u : (n, 6) array
+        Displacements and rotations.
+    forces : (n, 6) array
+        Forces and moments at the nuclei.
+    """
+    _add_stiffness(geometry.bodies, geometry.rows, geometry.volume, chosen, stiffness, u, forces)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fissura.equilibrium.attach import attach, owners
+from fissura.equilibrium.constraint import Constraint, prescribed
 from fissura.equilibrium.direct import SOLVERS, SingularMatrixError, best_solver
 from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
 from fissura.equilibrium.steps import StepLength
@@ -10,6 +11,7 @@ from fissura.equilibrium.system import Response, System
 
 __all__ = [
     "SOLVERS",
+    "Constraint",
     "Equilibrium",
     "Norms",
     "Response",
@@ -20,5 +22,6 @@ __all__ = [
     "attach",
     "best_solver",
     "owners",
+    "prescribed",
     "settle",
 ]

@@ -36,6 +36,9 @@ class DirectSolver(Protocol):
     def solve(self, right: FloatArray) -> FloatArray:
         """Solve for one or more right-hand sides; (n,) or (n, k)."""
 
+    def apply(self, right: FloatArray) -> FloatArray:
+        """Apply the latest factorization, as a preconditioner of other matrices; (n,) -> (n,)."""
+
 
 class MklPardiso:
     """PARDISO of the Intel oneAPI Math Kernel Library (Schenk & Gärtner 2004), nested dissection order.
@@ -95,6 +98,10 @@ class MklPardiso:
         solution: FloatArray = self._current.solve(np.asfortranarray(right))  # type: ignore[attr-defined]
         return solution
 
+    def apply(self, right: FloatArray) -> FloatArray:
+        """Apply the latest factorization, as a preconditioner of other matrices; (n,) -> (n,)."""
+        return self.solve(right)
+
 
 class SuperLU:
     """SuperLU as scipy ships it: slower, but available everywhere."""
@@ -130,6 +137,10 @@ class SuperLU:
         """Solve with the latest factorization."""
         solution: FloatArray = self._lu.solve(right)
         return solution
+
+    def apply(self, right: FloatArray) -> FloatArray:
+        """Apply the latest factorization, as a preconditioner of other matrices; (n,) -> (n,)."""
+        return self.solve(right)
 
 
 #: Direct solvers by name.

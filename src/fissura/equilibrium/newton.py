@@ -1,8 +1,8 @@
 """Nonlinear solution of one step under indirect control (theory section 7).
 
-Unknowns are the displacements and the load multiplier; the controlled quantity ``g . u`` is prescribed. Newton's method
-with the consistent tangent goes first. Where it fails, bursts of iterations with the secant stiffness alternate with
-further attempts of Newton.
+Unknowns are the displacements and the load multiplier; a constraint is added to equilibrium. Newton's method with the
+consistent tangent goes first; its linear equations are solved only as exactly as the step needs it (Dembo, Eisenstat &
+Steihaug 1982). Where it fails, bursts of iterations with the secant stiffness alternate with further Newton attempts.
 """
 
 from __future__ import annotations
@@ -13,8 +13,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.equilibrium.constraint import Constraint
 from fissura.equilibrium.direct import SingularMatrixError
+from fissura.equilibrium.krylov import dot, norm
 from fissura.equilibrium.system import Response, System
+from fissura.equilibrium.tangent import TangentSolver
 
 __all__ = ["Equilibrium", "Norms", "StepSolver", "settle"]
 
@@ -24,6 +27,9 @@ _log = logging.getLogger(__name__)
 _SMALLEST_CUT = 1.0 / 16.0
 _FIRST_BURST = 4  # secant iterations before Newton is tried again; doubled each time
 _DID_WELL = 0.5  # share of the residual to which Newton must come for its result to be kept
+
+#: Share of the residual that Newton's linear equations may leave: half of what would be in equilibrium, within limits.
+_LEAST_EXACT, _MOST_EXACT = 0.1, 1e-3
 
 
 @dataclass(frozen=True)
@@ -92,9 +98,9 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
     SingularMatrixError
         The structure is a mechanism.
     """
-    system.symmetric.factor(system.secant(history))
-    unit = system.symmetric.solve(system.load)
-    reach = float(system.control @ unit)
+    system.prepared.prepare(history)
+    unit = system.prepared.unit
+    reach = dot(system.control, unit)
     if not np.isfinite(reach) or reach == 0.0:
         raise SingularMatrixError("the load does not move the gauge")
     u = unit * (value / reach)
@@ -107,7 +113,7 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
 
 
 class StepSolver:
-    """Solves for equilibrium at a prescribed value of the controlled quantity.
+    """Solves for equilibrium under a constraint.
 
     Parameters
     ----------
@@ -120,12 +126,13 @@ class StepSolver:
     def __init__(self, tolerance: float, max_iterations: int) -> None:
         self.tolerance = tolerance
         self.max_iterations = max_iterations
+        self._tangent: TangentSolver | None = None
 
     def solve(
         self,
         system: System,
         history: FloatArray,
-        value: float,
+        constraint: Constraint,
         guess: tuple[FloatArray, float],
         load_scale: float,
         *,
@@ -139,8 +146,8 @@ class StepSolver:
             Equations.
         history : (k, 3) array
             Accepted history.
-        value : float
-            Prescribed value of the controlled quantity [m].
+        constraint : Constraint
+            How far to go.
         guess : ((6 n,) array, float)
             Displacements and load multiplier to begin with.
         load_scale : float
@@ -154,7 +161,10 @@ class StepSolver:
         Equilibrium or None
             None when no equilibrium was found.
         """
-        self._system, self._history, self._value, self._scale = system, history, value, load_scale
+        if self._tangent is None or self._tangent.system is not system:
+            self._tangent = TangentSolver(system)
+        self._system, self._history, self._constraint, self._scale = system, history, constraint, load_scale
+        self._load_size = norm(system.weights * system.load)
         self._left = patience * self.max_iterations
         trial = self._try(guess[0].copy(), guess[1])
         burst = _FIRST_BURST
@@ -179,6 +189,7 @@ class StepSolver:
             return None
         norms = Norms(trial.size / self._reference(trial.load), trial.displacement, trial.energy)
         iterations = patience * self.max_iterations - self._left
+        value = constraint.value if constraint.prescribed else dot(system.control, trial.response.u)
         return Equilibrium(trial.response, trial.load, value, norms, iterations)
 
     def _newton_phase(self, trial: _Trial) -> _Trial:
@@ -200,39 +211,36 @@ class StepSolver:
         return trial
 
     def _reference(self, load: float) -> float:
-        system = self._system
-        return float(np.linalg.norm(system.weights * system.load)) * max(abs(load), self._scale)
+        return self._load_size * max(abs(load), self._scale)
 
     def _converged(self, trial: _Trial) -> bool:
-        """Force and energy within tolerance, and the prescribed value met."""
-        gap = abs(float(self._system.control @ trial.response.u) - self._value)
+        """Force and energy within tolerance, and the constraint met."""
         return (
             trial.size <= self.tolerance * self._reference(trial.load)
-            and gap <= 1e-9 * abs(self._value)
             and trial.energy <= self.tolerance
+            and self._constraint.met(trial.response.u, trial.load)
         )
 
     def _try(self, u: FloatArray, load: float) -> _Trial:
         response = self._system.response(u, self._history)
         residual = load * self._system.load - response.forces
-        return _Trial(response, load, residual, float(np.linalg.norm(self._system.weights * residual)))
+        return _Trial(response, load, residual, norm(self._system.weights * residual))
 
     def _measured(self, trial: _Trial, before: _Trial) -> _Trial:
         """Fill in the norms that need the correction."""
         step = trial.response.u - before.response.u
-        trial.displacement = float(np.linalg.norm(step)) / max(float(np.linalg.norm(trial.response.u)), 1e-300)
-        work = abs(trial.load * float(self._system.load @ trial.response.u))
-        trial.energy = abs(float(trial.residual @ step)) / max(work, 1e-300)
+        trial.displacement = norm(step) / max(norm(trial.response.u), 1e-300)
+        work = abs(trial.load * dot(self._system.load, trial.response.u))
+        trial.energy = abs(dot(trial.residual, step)) / max(work, 1e-300)
         return trial
 
     def _newton(self, trial: _Trial) -> _Trial:
-        system = self._system
-        system.solver.factor(system.tangent(trial.response, self._history), symmetric=False)
-        pair = system.solver.solve(np.stack([system.load, trial.residual], axis=1))
-        unit, correction = pair[:, 0], pair[:, 1]
-        gap = self._value - system.control @ trial.response.u
-        more = float((gap - system.control @ correction) / (system.control @ unit))
-        du = correction + more * unit
+        assert self._tangent is not None
+        constraint = self._constraint
+        gap = constraint.gap(trial.response.u, trial.load)
+        wanted = self.tolerance * self._reference(trial.load) / max(trial.size, 1e-300)
+        exactness = min(max(0.5 * wanted, _MOST_EXACT), _LEAST_EXACT)
+        du, more = self._tangent.solve(trial.response, self._history, trial.residual, constraint, gap, exactness)
         if not np.isfinite(du).all():
             raise SingularMatrixError("the tangent stiffness is singular")
         best: _Trial | None = None
@@ -241,15 +249,18 @@ class StepSolver:
             following = self._try(trial.response.u + cut * du, trial.load + cut * more)
             if best is None or following.size < best.size:
                 best = following
-            if best.size < (1.0 - 0.1 * cut) * trial.size or (gap != 0.0 and abs(gap) > 1e-9 * abs(self._value)):
+            if best.size < (1.0 - 0.1 * cut) * trial.size or not constraint.met(trial.response.u, trial.load):
                 break
             cut *= 0.5
         assert best is not None
         return self._measured(best, trial)
 
     def _secant(self, trial: _Trial) -> _Trial:
-        system = self._system
-        system.symmetric.factor(system.secant(trial.response.history))
-        unit = system.symmetric.solve(system.load)
-        load = self._value / float(system.control @ unit)
+        system, constraint = self._system, self._constraint
+        system.prepared.prepare(trial.response.history)
+        unit = system.prepared.unit
+        # Unloading with the secant stiffness dissipates nothing: where the load takes part in the constraint, the
+        # displacement is kept instead.
+        wanted = constraint.value if constraint.load_factor == 0.0 else dot(constraint.vector, trial.response.u)
+        load = wanted / dot(constraint.vector, unit)
         return self._measured(self._try(load * unit, load), trial)

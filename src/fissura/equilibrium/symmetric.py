@@ -83,3 +83,16 @@ class SymmetricSolver:
                 self._direct.factor(self._data, symmetric=True)
                 self._data = None
         return self._direct.solve(right)
+
+    def apply(self, right: FloatArray) -> FloatArray:
+        """One application of the preconditioner, or of the direct factorization; (6 n,) -> (6 n,)."""
+        if self._iterative is not None and self._data is not None:
+            return self._iterative.apply(right)
+        return self._direct.apply(right)
+
+    def apply_with_product(self, right: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """:meth:`apply`, and the matrix times its result, which costs a direct solver nothing."""
+        found = self.apply(right)
+        if self._iterative is not None and self._data is not None:
+            return found, self._iterative.product(found)
+        return found, right

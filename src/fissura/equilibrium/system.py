@@ -20,6 +20,7 @@ from fissura.contact import (
 from fissura.equilibrium.assembly import Pattern, assemble, pattern
 from fissura.equilibrium.attach import attach, owners
 from fissura.equilibrium.direct import DirectSolver, best_solver
+from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.material import Material
 from fissura.specimen import Conditions
@@ -36,6 +37,10 @@ _SUPPORT_STIFFNESS = 1e5
 
 #: Share of a glued facet's rotational stiffness that contacts keep.
 _SPIN_STIFFNESS = 1e-6
+
+
+#: Stiffness relative to the elastic one that is the same but for round-off.
+_SAME = 1e-13
 
 
 @dataclass(frozen=True)
@@ -116,6 +121,7 @@ class System:
         self.pattern: Pattern = pattern(self.geometry, self.constant)
         self.solver: DirectSolver = best_solver()(self.pattern)
         self.symmetric = SymmetricSolver(self.pattern, tessellation.x, self.solver)
+        self.prepared = PreparedSecant(self, self.symmetric)
         # Moments count as forces at the arm of half a contact.
         arm = 0.5 * float(np.median(contacts.length))
         self.weights: FloatArray = np.tile(np.repeat([1.0, 1.0 / arm], 3), len(tessellation))
@@ -131,6 +137,7 @@ class System:
         other = copy(self)
         other.elastic_scale = elastic_scale
         other.moduli = other._moduli(elastic_scale)
+        other.prepared = PreparedSecant(other, self.symmetric)
         return other
 
     def _supports(self, rows: FloatArray) -> csr_array:
@@ -199,6 +206,29 @@ class System:
         intact = 1.0 - history[:, 0]
         stiffness[self.active[:, None], range(3), range(3)] *= intact[:, None]
         return assemble(self.geometry, self.pattern, stiffness)
+
+    def changed(self, tangent: FloatArray, intact: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Contacts whose tangent stiffness differs from a secant stiffness.
+
+        Parameters
+        ----------
+        tangent : (k, 3, 3) array
+            Tangent ``ds/de`` of the contacts with damage [Pa].
+        intact : (k,) array
+            Share ``1 - D`` of the elastic stiffness that the secant stiffness has.
+
+        Returns
+        -------
+        contacts : (c,) array
+            Where they differ.
+        change : (c, 3, 3) array
+            By how much.
+        """
+        change = tangent.copy()
+        change[:, range(3), range(3)] -= intact[:, None] * self.moduli[self.active]
+        size = np.abs(change).max(axis=(1, 2), initial=0.0)
+        chosen = np.flatnonzero(size > _SAME * self.material.E)
+        return self.active[chosen], change[chosen]
 
     def stored(self, response: Response) -> float:
         """Elastic energy, ``sum A L s . e / 2`` [J]."""

@@ -245,6 +245,20 @@ class TwoLevel:
             found[:, k] = solution.ravel()
         return found.reshape(right.shape)
 
+    def apply(self, right: FloatArray) -> FloatArray:
+        """One cycle of the preconditioner, for iterations with other matrices; (n,) -> (n,)."""
+        order = self._lower.order
+        out = np.empty((len(order), 6))
+        out[order] = self._preconditioned(right.reshape(-1, 6)[order])
+        return out.ravel()
+
+    def product(self, u: FloatArray) -> FloatArray:
+        """The matrix of the latest `factor` times a vector; (n,) -> (n,)."""
+        order = self._lower.order
+        out = np.empty((len(order), 6))
+        out[order] = self._product(u.reshape(-1, 6)[order])
+        return out.ravel()
+
     def _product(self, u: FloatArray) -> FloatArray:
         assert self._blocks is not None
         return multiply(self._lower, self._blocks, u)

@@ -1,0 +1,125 @@
+"""Generalized minimal residuals (Saad & Schultz 1986), preconditioned from the right, with kernels of their own.
+
+Threaded vector operations of general libraries wait for each other longer than they work on vectors of this size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = ["Minimized", "dot", "gmres", "norm"]
+
+FloatArray = NDArray[np.float64]
+
+#: Sums may be taken in any order, always the same one in one build.
+_FAST = {"reassoc", "contract"}
+
+
+@njit(cache=True, fastmath=_FAST)
+def _dot(a, b):  # type: ignore[no-untyped-def]
+    s = 0.0
+    for k in range(len(a)):
+        s += a[k] * b[k]
+    return s
+
+
+@njit(cache=True, fastmath=_FAST)
+def _take_out(own, image):  # type: ignore[no-untyped-def]
+    """Remove the part of `image` along the unit vector `own`, and return its size."""
+    share = 0.0
+    for k in range(len(image)):
+        share += own[k] * image[k]
+    for k in range(len(image)):
+        image[k] -= share * own[k]
+    return share
+
+
+def dot(a: FloatArray, b: FloatArray) -> float:
+    """Scalar product of two vectors."""
+    return float(_dot(a, b))
+
+
+def norm(a: FloatArray) -> float:
+    """Euclidean norm of a vector."""
+    return float(np.sqrt(_dot(a, a)))
+
+
+@dataclass(frozen=True)
+class Minimized:
+    """What :func:`gmres` found.
+
+    Attributes
+    ----------
+    solution : (n,) array
+        Solution.
+    iterations : int
+        Applications of the operator.
+    reduction : float
+        Norm of the residual that is left, over that of the right-hand side.
+    """
+
+    solution: FloatArray
+    iterations: int
+    reduction: float
+
+
+def gmres(
+    operator: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+    right: FloatArray,
+    tolerance: float,
+    most: int,
+) -> Minimized:
+    """Minimize the residual of ``A M z = b`` over growing Krylov spaces, without restart, starting from zero.
+
+    Parameters
+    ----------
+    operator : callable
+        Takes v to ``(M v, A M v)``, where M is the preconditioner.
+    right : (n,) array
+        Right-hand side b.
+    tolerance : float
+        Reduction of the residual at which to stop.
+    most : int
+        Largest number of iterations.
+
+    Returns
+    -------
+    Minimized
+        With the solution ``M z``.
+    """
+    size = norm(right)
+    if size == 0.0:
+        return Minimized(np.zeros_like(right), 0, 0.0)
+    basis: list[FloatArray] = [right / size]
+    moves: list[FloatArray] = []
+    upper = np.zeros((most, most))
+    rotations: list[tuple[float, float]] = []
+    rest = [1.0]
+    while len(moves) < most and abs(rest[-1]) > tolerance:
+        k = len(moves)
+        move, image = operator(basis[-1])
+        column = [float(_take_out(own, image)) for own in basis]  # modified Gram-Schmidt
+        left = norm(image)
+        for j, (c, s) in enumerate(rotations):
+            column[j], column[j + 1] = c * column[j] + s * column[j + 1], c * column[j + 1] - s * column[j]
+        length = float(np.hypot(column[-1], left))
+        if not np.isfinite(length) or length == 0.0:
+            break
+        c, s = column[-1] / length, left / length
+        rotations.append((c, s))
+        upper[: k + 1, k] = [*column[:-1], length]
+        rest[-1:] = [c * rest[-1], -s * rest[-1]]
+        moves.append(move)
+        if left == 0.0:
+            break
+        basis.append(image / left)
+    k = len(moves)
+    solution = np.zeros_like(moves[0]) if moves else np.zeros_like(right)
+    for weight, move in zip(np.linalg.solve(upper[:k, :k], size * np.array(rest[:k])) if k else [], moves, strict=True):
+        solution += weight * move
+    return Minimized(solution, k, abs(rest[-1]))

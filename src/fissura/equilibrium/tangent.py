@@ -1,0 +1,137 @@
+"""Newton's linear equations, solved by GMRES with a secant stiffness as the preconditioner.
+
+The consistent tangent differs from a secant stiffness in the contacts whose damage grows, or has grown since the secant
+stiffness was prepared. These are few, and so are the iterations that they cost; a preparation therefore serves many
+Newton iterations and steps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.contact import add_stiffness
+from fissura.equilibrium.constraint import Constraint
+from fissura.equilibrium.direct import SingularMatrixError
+from fissura.equilibrium.krylov import dot, gmres, norm
+from fissura.equilibrium.system import Response, System
+
+__all__ = ["TangentSolver"]
+
+FloatArray = NDArray[np.float64]
+
+#: Most iterations for one Newton correction.
+_MOST = 60
+
+#: Iterations that one preparation costs, roughly: when as many have been spent on top of what a fresh preparation
+#: needs, it is time for one. This never costs more than twice the best choice in hindsight (`benchmarks/nonlinear.py`).
+_PREPARATION = 20
+
+#: A correction that leaves more than this share of the residual is of no use.
+_USELESS = 0.9
+
+
+class TangentSolver:
+    """Solves for Newton corrections of displacements and load.
+
+    Parameters
+    ----------
+    system : System
+        Equations; its prepared secant stiffness is the preconditioner.
+    """
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self.iterations = 0  # of GMRES, in all
+        self._preparation = -1  # for which the following two hold
+        self._fresh: int | None = None
+        self._excess = 0
+
+    def _renew(self, history: FloatArray) -> None:
+        """Prepare the secant stiffness where that has become worth its cost."""
+        secant = self.system.prepared
+        if secant.count == 0 or (self._preparation == secant.count and self._excess > _PREPARATION):
+            secant.prepare(history)
+        if self._preparation != secant.count:
+            self._preparation, self._fresh, self._excess = secant.count, None, 0
+
+    def solve(
+        self,
+        response: Response,
+        history: FloatArray,
+        residual: FloatArray,
+        constraint: Constraint,
+        gap: float,
+        tolerance: float,
+    ) -> tuple[FloatArray, float]:
+        """Correction of displacements and load for a residual of forces and a gap of the constraint.
+
+        Parameters
+        ----------
+        response : Response
+            Where the tangent is taken.
+        history : (k, 3) array
+            Accepted history.
+        residual : (6 n,) array
+            Forces out of balance.
+        constraint : Constraint
+            The equation for the load.
+        gap : float
+            What is missing there.
+        tolerance : float
+            Share of the residual that may be left.
+
+        Raises
+        ------
+        SingularMatrixError
+            The equations cannot be solved.
+        """
+        self._renew(response.history)
+        found = self._minimize(response, history, residual, constraint, gap, tolerance)
+        if found is None and self._excess > 0:
+            self._excess = _PREPARATION + 1
+            self._renew(response.history)
+            found = self._minimize(response, history, residual, constraint, gap, tolerance)
+        if found is None:
+            raise SingularMatrixError("GMRES does not reduce the residual of the tangent equations")
+        return found
+
+    def _minimize(
+        self,
+        response: Response,
+        history: FloatArray,
+        residual: FloatArray,
+        constraint: Constraint,
+        gap: float,
+        tolerance: float,
+    ) -> tuple[FloatArray, float] | None:
+        system = self.system
+        secant, geometry = system.prepared, system.geometry
+        unit, weights, load = secant.unit, system.weights, system.load
+        chosen, change = system.changed(system.law.tangent(response.strain[system.active], history), secant.intact)
+        a, b = constraint.vector, constraint.load_factor
+        reach = dot(a, unit)
+        # The constraint's equation counts as the force that the load would need to close its gap.
+        scale = norm(weights * load) / abs(reach)
+
+        def operator(v: FloatArray) -> tuple[FloatArray, FloatArray]:
+            z, image = secant.apply(v[:-1] / weights)
+            more = (v[-1] / scale - dot(a, z)) / reach
+            z = z + more * unit
+            image = image.copy()
+            add_stiffness(geometry, chosen, change, z.reshape(-1, 6), image.reshape(-1, 6))
+            return np.append(z, more), np.append(weights * image, v[-1] + scale * b * more)
+
+        # The gap is closed first, as far as the load takes no part in the constraint exactly.
+        more = gap / reach
+        right = residual.copy()
+        if gap != 0.0:
+            add_stiffness(geometry, chosen, -change, (more * unit).reshape(-1, 6), right.reshape(-1, 6))
+        found = gmres(operator, np.append(weights * right, -scale * b * more), tolerance, _MOST)
+        self.iterations += found.iterations
+        if self._fresh is None:
+            self._fresh = found.iterations
+        self._excess += max(found.iterations - self._fresh, 0)
+        if not found.reduction < _USELESS or not np.isfinite(found.solution).all():
+            return None
+        return found.solution[:-1] + more * unit, float(found.solution[-1]) + more
