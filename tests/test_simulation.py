@@ -485,6 +485,7 @@ def test_nuclei_from_a_file_give_the_same_specimen(tmp_path):
 def test_steps_before_a_stop_are_valid(monkeypatch):
     """Beyond some opening no equilibrium is found any more: the run ends with what it has, after trying small steps."""
     last, tried = 1.1e-5, []
+    _, full = done("coarse", True)
     solve = fissura.simulation.StepSolver.solve
 
     def failing(self, system, history, constraint, *rest, **more):
@@ -500,7 +501,6 @@ def test_steps_before_a_stop_are_valid(monkeypatch):
     assert caught.value.step == len(kept) + 1
     assert last - 2e-7 < kept[-1].gauge <= last < caught.value.gauge == tried[-1]
     assert tried[-1] - kept[-1].gauge < 2e-7
-    _, full = done("coarse", True)
     expected = np.interp([s.gauge for s in kept], [0, *(s.gauge for s in full)], [0, *(s.load for s in full)])
     np.testing.assert_allclose([s.load for s in kept], expected, rtol=0.01)
 
