@@ -111,7 +111,7 @@ def test_nucleus_outside_the_specimen(tmp_path, small_case):
 
 @pytest.mark.parametrize("place", [[0.0, 0.03, 0.02], [0.05, 0.06, 0.04]], ids=["face", "edge"])
 def test_nucleus_on_the_surface(tmp_path, small_case, place):
-    """It coincides with its own reflection, so it cannot have a facet there."""
+    """Not inside: refused, so that round-off does not decide."""
     np.savetxt(tmp_path / "x.txt", [place])
     case = small_case(tmp_path, discretization__nuclei="x.txt")
     with pytest.raises(InputError, match="nucleus 1") as caught:

@@ -61,6 +61,19 @@ class Box:
         """Volume without the notches [m^3]."""
         return float(np.prod(self.size)) - sum(notch.void_volume for notch in self.notches)
 
+    @property
+    def smallest_section(self) -> float:
+        """Area of the smallest section perpendicular to an axis, the notches in its plane taken off [m^2]."""
+        areas = np.prod(self.size) / np.asarray(self.size)
+        for axis in range(3):
+            cuts: dict[float, float] = {}
+            for notch in self.notches:
+                if notch.normal == axis:
+                    area = notch.depth * np.prod(np.delete(self.size, [axis, notch.axis]))
+                    cuts[notch.position] = cuts.get(notch.position, 0.0) + float(area)
+            areas[axis] -= max(cuts.values(), default=0.0)
+        return float(areas.min())
+
     def contains(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether points lie in the material; shape (n, 3) -> (n,)."""
         inside: NDArray[np.bool_] = np.all((x >= 0.0) & (x <= np.asarray(self.size)), axis=-1)

@@ -107,7 +107,7 @@ def nuclei_from_case(case: Case, box: Box) -> Nuclei:
     given = None
     if part.nuclei is not None:
         given = read_nuclei(part.nuclei)
-        margin = 1e-9 * max(box.size)  # a nucleus on the surface would coincide with its own reflection
+        margin = 1e-9 * max(box.size)  # round-off must not decide on which side of a face a nucleus lies
         outside = np.any((given <= margin) | (given >= np.asarray(box.size) - margin), axis=1)
         if outside.any():
             row = int(np.argmax(outside))

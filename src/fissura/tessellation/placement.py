@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fissura.specimen import Box
 from fissura.tessellation.mirror import MirrorZones
+from fissura.tessellation.voxels import cell_of, divided, free, surroundings
 
 __all__ = ["expected_count", "place"]
 
@@ -28,38 +29,6 @@ def expected_count(size: tuple[float, float, float], spacing: float) -> float:
 
 
 @njit(cache=True)
-def _free(p, x, grid, shape, cell, l2):  # type: ignore[no-untyped-def]
-    """Whether no accepted nucleus is closer to `p` than the spacing (cells hold at most two nuclei)."""
-    c0, c1, c2 = int(p[0] / cell), int(p[1] / cell), int(p[2] / cell)
-    for i in range(max(c0 - 2, 0), min(c0 + 3, shape[0])):
-        for j in range(max(c1 - 2, 0), min(c1 + 3, shape[1])):
-            for k in range(max(c2 - 2, 0), min(c2 + 3, shape[2])):
-                q = grid[(i * shape[1] + j) * shape[2] + k]
-                if q >= 0:
-                    d0, d1, d2 = p[0] - x[q, 0], p[1] - x[q, 1], p[2] - x[q, 2]
-                    if d0 * d0 + d1 * d1 + d2 * d2 < l2:
-                        return False
-    return True
-
-
-@njit(cache=True)
-def _covered(low, high, x, grid, shape, cell, l2):  # type: ignore[no-untyped-def]
-    """Whether one accepted nucleus covers all corners of a box no larger than a grid cell."""
-    m0, m1, m2 = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])
-    h0, h1, h2 = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
-    c0, c1, c2 = int(m0 / cell), int(m1 / cell), int(m2 / cell)
-    for i in range(max(c0 - 2, 0), min(c0 + 3, shape[0])):
-        for j in range(max(c1 - 2, 0), min(c1 + 3, shape[1])):
-            for k in range(max(c2 - 2, 0), min(c2 + 3, shape[2])):
-                q = grid[(i * shape[1] + j) * shape[2] + k]
-                if q >= 0:
-                    d0, d1, d2 = abs(m0 - x[q, 0]) + h0, abs(m1 - x[q, 1]) + h1, abs(m2 - x[q, 2]) + h2
-                    if d0 * d0 + d1 * d1 + d2 * d2 < l2:
-                        return True
-    return False
-
-
-@njit(cache=True)
 def _zone_at(p, lower, upper):  # type: ignore[no-untyped-def]
     for z in range(len(lower)):
         if (
@@ -72,73 +41,11 @@ def _zone_at(p, lower, upper):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _in_void(low, high, void_lower, void_upper):  # type: ignore[no-untyped-def]
-    """Whether a box lies wholly in a saw cut."""
-    for v in range(len(void_lower)):
-        inside = True
-        for a in range(3):
-            if low[a] < void_lower[v, a] or high[a] > void_upper[v, a]:
-                inside = False
-        if inside:
-            return True
-    return False
-
-
-@njit(cache=True)
-def _dead(  # type: ignore[no-untyped-def]
-    low, high, zl, zu, za, zp, zc, void_lower, void_upper, x, grid, shape, cell, l2
-):
-    """Whether no nucleus fits into a box: covered, in a saw cut, or its mirror image covered."""
-    if _covered(low, high, x, grid, shape, cell, l2) or _in_void(low, high, void_lower, void_upper):
-        return True
-    for z in range(len(za)):
-        # The part of the box inside the zone, and what is left of the box when one face of the zone cuts it.
-        part_low, part_high = np.empty(3), np.empty(3)
-        rest_low, rest_high = low.copy(), high.copy()
-        cuts = 0
-        empty = False
-        for a in range(3):
-            part_low[a], part_high[a] = max(low[a], zl[z, a]), min(high[a], zu[z, a])
-            if part_low[a] >= part_high[a]:
-                empty = True
-            if low[a] < zl[z, a]:
-                cuts += 1
-                rest_high[a] = zl[z, a]
-            if high[a] > zu[z, a]:
-                cuts += 1
-                rest_low[a] = zu[z, a]
-        if empty:
-            continue
-        if cuts > 1 or (cuts == 1 and not _covered(rest_low, rest_high, x, grid, shape, cell, l2)):
-            return False
-        # Pairs keep clear of the plane.
-        a = za[z]
-        below, above = zp[z] - zc, zp[z] + zc
-        if part_low[a] >= below and part_high[a] <= above:
-            return True
-        if part_low[a] >= below:
-            part_low[a] = max(part_low[a], above)
-        elif part_high[a] <= above:
-            part_high[a] = min(part_high[a], below)
-        if _covered(part_low, part_high, x, grid, shape, cell, l2):
-            return True
-        lower = part_low[a]
-        part_low[a] = 2.0 * zp[z] - part_high[a]
-        part_high[a] = 2.0 * zp[z] - lower
-        return _covered(part_low, part_high, x, grid, shape, cell, l2)
-    return False
-
-
-@njit(cache=True)
 def _place(  # type: ignore[no-untyped-def]
-    size, spacing, zl, zu, za, zp, zc, void_lower, void_upper, given, rng, max_level, rate
+    size, spacing, cell, shape, steps, zones, void_lower, void_upper, given, rng, max_level, rate
 ):
-    # Nuclei are at least one spacing apart, so a grid cell with that diagonal holds one at most.
-    cell = spacing / np.sqrt(3.0) * (1.0 - 1e-12)
-    shape = np.empty(3, np.int64)
-    for a in range(3):
-        shape[a] = int(size[a] / cell) + 1
-    grid = np.full(shape[0] * shape[1] * shape[2], -1, np.int64)
+    grid = np.full((shape[0] + 4) * (shape[1] + 4) * (shape[2] + 4), -1, np.int32)
+    zl, zu, za, zp, zc = zones
     capacity = max(64, int(1.5 * size[0] * size[1] * size[2] / spacing**3) + 4 * len(given) + 64)
     x = np.empty((capacity, 3))
     twin = np.full(capacity, -1, np.int64)
@@ -154,8 +61,6 @@ def _place(  # type: ignore[no-untyped-def]
                 count += 1
     p = np.empty(3)
     t = np.empty(3)
-    low = np.empty(3)
-    high = np.empty(3)
     level = 0
     g = 0
     while count > 0 and level <= max_level:
@@ -163,7 +68,8 @@ def _place(  # type: ignore[no-untyped-def]
         for _ in range(trials):
             if g < len(given):
                 v = -1
-                p[:] = given[g]
+                for a in range(3):
+                    p[a] = given[g, a]
                 g += 1
             else:
                 if count == 0:
@@ -186,73 +92,49 @@ def _place(  # type: ignore[no-untyped-def]
             z = _zone_at(p, zl, zu)
             if z >= 0 and abs(p[za[z]] - zp[z]) < zc:
                 continue
-            if not _free(p, x[:n], grid, shape, cell, l2):
+            if not free(p, x, grid, steps, shape, cell, l2):
                 continue
             if z >= 0:
-                t[:] = p
+                for a in range(3):
+                    t[a] = p[a]
                 t[za[z]] = 2.0 * zp[z] - p[za[z]]
-                if not _free(t, x[:n], grid, shape, cell, l2):
+                if not free(t, x, grid, steps, shape, cell, l2):
                     continue
             if n + 2 > capacity:
                 capacity *= 2
                 bigger = np.empty((capacity, 3))
-                bigger[:n] = x[:n]
+                for k in range(n):
+                    for a in range(3):
+                        bigger[k, a] = x[k, a]
                 x = bigger
                 longer = np.full(capacity, -1, np.int64)
-                longer[:n] = twin[:n]
+                for k in range(n):
+                    longer[k] = twin[k]
                 twin = longer
-            x[n] = p
-            grid[(int(p[0] / cell) * shape[1] + int(p[1] / cell)) * shape[2] + int(p[2] / cell)] = n
+            for a in range(3):
+                x[n, a] = p[a]
+            grid[cell_of(p[0], p[1], p[2], shape, cell)] = n
             n += 1
             if z >= 0:
-                x[n] = t
-                grid[(int(t[0] / cell) * shape[1] + int(t[1] / cell)) * shape[2] + int(t[2] / cell)] = n
+                for a in range(3):
+                    x[n, a] = t[a]
+                grid[cell_of(t[0], t[1], t[2], shape, cell)] = n
                 twin[n] = n - 1
                 twin[n - 1] = n
                 n += 1
             if v >= 0:
                 # A voxel no larger than a grid cell is covered by the nucleus inside it.
-                active[v] = active[count - 1]
+                for a in range(3):
+                    active[v, a] = active[count - 1, a]
                 count -= 1
         # Divide what is left and drop what is covered.
         divide = level > 0 or g >= len(given)
         parts = 2 if divide else 1
-        finer = np.empty((count * parts**3, 3), np.int64)
-        kept = 0
-        new_side = side / parts
-        for v in range(count):
-            for i in range(parts):
-                for j in range(parts):
-                    for k in range(parts):
-                        finer[kept, 0] = parts * active[v, 0] + i
-                        finer[kept, 1] = parts * active[v, 1] + j
-                        finer[kept, 2] = parts * active[v, 2] + k
-                        for a in range(3):
-                            low[a] = finer[kept, a] * new_side
-                            high[a] = min(low[a] + new_side, size[a])
-                        if low[0] >= size[0] or low[1] >= size[1] or low[2] >= size[2]:
-                            continue
-                        if _dead(
-                            low,
-                            high,
-                            zl,
-                            zu,
-                            za,
-                            zp,
-                            zc,
-                            void_lower,
-                            void_upper,
-                            x[:n],
-                            grid,
-                            shape,
-                            cell,
-                            l2,
-                        ):
-                            continue
-                        kept += 1
-        active = finer[:kept].copy()
-        count = kept
-        side = new_side
+        active = divided(
+            active[:count], parts, side, size, zones, void_lower, void_upper, x, grid, steps, shape, cell, l2
+        )
+        count = len(active)
+        side /= parts
         level += 1
     return x[:n].copy(), twin[:n].copy(), count
 
@@ -287,14 +169,15 @@ def place(
         Index of the mirror image of each nucleus, -1 outside the zones.
     """
     voids = [notch.bounds for notch in box.notches if notch.width > 0.0]
+    size = np.asarray(box.size, float)
+    # Nuclei are at least one spacing apart, so a grid cell with that diagonal holds one at most.
+    cell = spacing / np.sqrt(3.0) * (1.0 - 1e-12)
     x, twin, _ = _place(
-        np.asarray(box.size, float),
+        size,
         spacing,
-        zones.lower,
-        zones.upper,
-        zones.axis,
-        zones.plane,
-        zones.clearance,
+        cell,
+        *surroundings(size, cell),
+        (zones.lower, zones.upper, zones.axis, zones.plane, zones.clearance),
         np.array([low for low, _ in voids]).reshape(-1, 3),
         np.array([high for _, high in voids]).reshape(-1, 3),
         np.empty((0, 3)) if given is None else np.ascontiguousarray(given, float),

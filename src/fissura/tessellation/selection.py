@@ -12,53 +12,88 @@ __all__ = ["select"]
 
 
 @njit(cache=True)
-def _select(x, order, twin, spacing, side):  # type: ignore[no-untyped-def]
+def _free(p, l2, x, grid, head, following):  # type: ignore[no-untyped-def]
+    """Whether no kept nucleus is closer to a point than a distance no larger than the side of this grid's cells."""
+    low, side, shape, first, level = grid
+    c0, c1, c2 = int((p[0] - low[0]) / side), int((p[1] - low[1]) / side), int((p[2] - low[2]) / side)
+    for i in range(max(c0 - 1, 0), min(c0 + 2, shape[0])):
+        for j in range(max(c1 - 1, 0), min(c1 + 2, shape[1])):
+            for k in range(max(c2 - 1, 0), min(c2 + 2, shape[2])):
+                q = head[first + (i * shape[1] + j) * shape[2] + k]
+                while q >= 0:
+                    d0, d1, d2 = p[0] - x[q, 0], p[1] - x[q, 1], p[2] - x[q, 2]
+                    if d0 * d0 + d1 * d1 + d2 * d2 < l2:
+                        return False
+                    q = following[level, q]
+    return True
+
+
+@njit(cache=True)
+def _ordered(priority):  # type: ignore[no-untyped-def]
+    """Nuclei by priority, then number; priorities are smaller than their count."""
+    n = len(priority)
+    place = np.zeros(n + 1, np.int64)
+    for i in range(n):
+        place[priority[i] + 1] += 1
+    for k in range(n):
+        place[k + 1] += place[k]
+    order = np.empty(n, np.int64)
+    for i in range(n):
+        order[place[priority[i]]] = i
+        place[priority[i]] += 1
+    return order
+
+
+@njit(cache=True)
+def _select(x, priority, twin, spacing, side):  # type: ignore[no-untyped-def]
     n = len(x)
+    order = _ordered(priority)
     kept = np.zeros(n, np.bool_)
     low = np.empty(3)
-    shape = np.empty(3, np.int64)
+    size = np.empty(3)
     for a in range(3):
         low[a] = x[:, a].min()
-        shape[a] = int((x[:, a].max() - low[a]) / side) + 1
-    head = np.full(shape[0] * shape[1] * shape[2], -1, np.int64)
-    following = np.full(n, -1, np.int64)
-    cell = np.empty((n, 3), np.int64)
-    for i in range(n):
+        size[a] = x[:, a].max() - low[a]
+    # Grids of kept nuclei, each twice as coarse as the one before; a search takes the first one with cells at least
+    # as large as the spacing.
+    levels = 1
+    while side * 2.0 ** (levels - 1) < min(spacing.max(), max(size)):
+        levels += 1
+    shape = np.empty((levels, 3), np.int64)
+    first = np.zeros(levels + 1, np.int64)
+    for m in range(levels):
         for a in range(3):
-            cell[i, a] = int((x[i, a] - low[a]) / side)
+            shape[m, a] = int(size[a] / (side * 2.0**m)) + 1
+        first[m + 1] = first[m] + shape[m, 0] * shape[m, 1] * shape[m, 2]
+    head = np.full(first[levels], -1, np.int32)
+    following = np.full((levels, n), -1, np.int32)
     # First the refined region, then the others by priority.
     for refined in (True, False):
         for i in order:
-            j = twin[i]
             if kept[i] or (spacing[i] <= 0.0) != refined:
                 continue
-            free = True
+            j = twin[i]
             if not refined:
-                for member in (i, j):
-                    if member < 0 or not free:
-                        continue
-                    l2 = spacing[member] ** 2
-                    reach = int(spacing[member] / side) + 1
-                    for c0 in range(max(cell[member, 0] - reach, 0), min(cell[member, 0] + reach + 1, shape[0])):
-                        for c1 in range(max(cell[member, 1] - reach, 0), min(cell[member, 1] + reach + 1, shape[1])):
-                            for c2 in range(
-                                max(cell[member, 2] - reach, 0), min(cell[member, 2] + reach + 1, shape[2])
-                            ):
-                                k = head[(c0 * shape[1] + c1) * shape[2] + c2]
-                                while k >= 0 and free:
-                                    d2 = 0.0
-                                    for a in range(3):
-                                        d2 += (x[member, a] - x[k, a]) ** 2
-                                    if d2 < l2:
-                                        free = False
-                                    k = following[k]
-            if free:
-                for member in (i, j):
-                    if member >= 0 and not kept[member]:
-                        kept[member] = True
-                        c = (cell[member, 0] * shape[1] + cell[member, 1]) * shape[2] + cell[member, 2]
-                        following[member] = head[c]
-                        head[c] = member
+                reach = spacing[i]
+                m = 0
+                while m < levels - 1 and side * 2.0**m < reach:
+                    m += 1
+                grid = (low, side * 2.0**m, shape[m], first[m], m)
+                if not _free(x[i], reach * reach, x, grid, head, following):
+                    continue
+                if j >= 0 and not _free(x[j], reach * reach, x, grid, head, following):
+                    continue
+            for member in (i, j):
+                if member >= 0 and not kept[member]:
+                    kept[member] = True
+                    for m in range(levels):
+                        c = first[m]
+                        width = side * 2.0**m
+                        step = 0
+                        for a in range(3):
+                            step = step * shape[m, a] + int((x[member, a] - low[a]) / width)
+                        following[m, member] = head[c + step]
+                        head[c + step] = member
     return kept
 
 
@@ -87,7 +122,6 @@ def select(nuclei: Nuclei, spacing: NDArray[np.float64]) -> tuple[NDArray[np.int
     spacing = np.where(spacing > 0.0, np.minimum(spacing, np.maximum(nuclei.widest, nuclei.spacing)), 0.0)
     paired = nuclei.twin >= 0
     spacing[paired] = np.minimum(spacing[paired], spacing[nuclei.twin[paired]])
-    order = np.argsort(nuclei.priority, kind="stable")
     side = 2.0 * nuclei.spacing
-    kept = np.flatnonzero(_select(nuclei.x, order, nuclei.twin, spacing, side))
+    kept = np.flatnonzero(_select(nuclei.x, nuclei.priority, nuclei.twin, spacing, side))
     return kept, spacing[kept] <= 0.0

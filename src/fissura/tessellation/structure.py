@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from fissura.tessellation.voronoi import Cells
 
 __all__ = ["Contacts", "Polygons", "SurfaceFacets", "Tessellation"]
 
@@ -124,6 +128,8 @@ class Tessellation:
         Contacts between bodies.
     surface : SurfaceFacets
         Facets on the specimen's surface.
+    cells : Cells, optional
+        The cells before notches were cut, so that the next discretization need not repeat all the work.
     """
 
     nucleus: IntArray
@@ -132,6 +138,7 @@ class Tessellation:
     volume: FloatArray
     contacts: Contacts
     surface: SurfaceFacets
+    cells: Cells | None = field(default=None, repr=False, compare=False)
 
     def __len__(self) -> int:
         return len(self.x)

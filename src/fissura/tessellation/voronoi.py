@@ -1,66 +1,23 @@
-"""Voronoi cells of nuclei in a box, cut off exactly by its faces."""
+"""Voronoi cells of nuclei in a box, cut off exactly by its faces; cells that cannot have changed are kept."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import chain
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy.spatial import Voronoi
 
-__all__ = ["Cells", "Ragged", "voronoi_cells"]
+from fissura.tessellation.cell import clip_cells
+from fissura.tessellation.grid import grid_of, within
+from fissura.tessellation.measures import polygon_measures
+from fissura.tessellation.ragged import Ragged
+
+__all__ = ["Cells", "voronoi_cells"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-_FIRST_MARGIN = 1.25  # nuclei closer to a face than this many spacings are reflected at the first try
-
-
-@dataclass(frozen=True)
-class Ragged:
-    """Polygons with an owner each: the working form of facets while notches cut them.
-
-    Attributes
-    ----------
-    points : (p, 3) array
-        Corners [m].
-    offsets : (q + 1,) array
-        First corner of each polygon.
-    owner : (q,) array
-        Facet to which each polygon belongs.
-    """
-
-    points: FloatArray
-    offsets: IntArray
-    owner: IntArray
-
-    def __len__(self) -> int:
-        return len(self.owner)
-
-    def take(self, chosen: IntArray) -> Ragged:
-        """The chosen polygons, in that order."""
-        counts = np.diff(self.offsets)[chosen]
-        offsets = np.concatenate([[0], np.cumsum(counts)])
-        source = np.repeat(self.offsets[chosen] - offsets[:-1], counts) + np.arange(offsets[-1])
-        return Ragged(self.points[source], offsets, self.owner[chosen])
-
-    def joined(self, *others: Ragged) -> Ragged:
-        """These polygons and others, sorted by owner; empty ones are dropped."""
-        parts = (self, *others)
-        counts = np.concatenate([np.diff(p.offsets) for p in parts])
-        whole = Ragged(
-            np.concatenate([p.points for p in parts]),
-            np.concatenate([[0], np.cumsum(counts)]),
-            np.concatenate([p.owner for p in parts]),
-        )
-        order = np.argsort(whole.owner, kind="stable")
-        return whole.take(order[counts[order] > 0])
-
-    def extremes(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Smallest and largest of a value given at every corner, for each polygon."""
-        start = self.offsets[:-1]
-        return np.minimum.reduceat(values, start), np.maximum.reduceat(values, start)
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -69,95 +26,185 @@ class Cells:
 
     Attributes
     ----------
+    x : (n, 3) array
+        Nuclei [m].
+    nucleus : (n,) array
+        Identities of the nuclei, ascending.
+    size : tuple of float
+        Dimensions of the box [m].
+    reach2 : (n,) array
+        Squared distance [m^2] beyond which nuclei have no influence on a cell.
     pairs : (m, 2) array
-        Neighbouring cells ``i < j``.
+        Neighbouring cells ``i < j``, sorted.
     facets : Ragged
         Their common facets; ``owner`` is the row of `pairs`.
+    area, centroid : (m,), (m, 3) array
+        Their areas [m^2] and centroids [m].
     surface_body, surface_face : (b,) array
-        Cell and face (2 axis + side) of every facet on the box's surface.
+        Cell and face (2 axis + side) of every facet on the box's surface, sorted.
     surface : Ragged
         These facets; ``owner`` is their row.
+    surface_area, surface_centroid : (b,), (b, 3) array
+        Their areas [m^2] and centroids [m].
     """
 
+    x: FloatArray
+    nucleus: IntArray
+    size: tuple[float, float, float]
+    reach2: FloatArray
     pairs: IntArray
     facets: Ragged
+    area: FloatArray
+    centroid: FloatArray
     surface_body: IntArray
     surface_face: IntArray
     surface: Ragged
+    surface_area: FloatArray
+    surface_centroid: FloatArray
 
 
-def _ragged(lists: list[list[int]], vertices: FloatArray) -> Ragged:
-    counts = np.fromiter(map(len, lists), np.int64, len(lists))
-    flat = np.fromiter(chain.from_iterable(lists), np.int64, int(counts.sum()))
-    return Ragged(vertices[flat], np.concatenate([[0], np.cumsum(counts)]), np.arange(len(lists)))
+@dataclass(frozen=True)
+class _Facets:
+    """Facets with the cell that they were taken from, and what lies behind them: a cell, or a face less 6."""
+
+    cell: IntArray
+    other: IntArray
+    polygons: Ragged
+    area: FloatArray
+    centroid: FloatArray
+
+    def take(self, chosen: IntArray) -> _Facets:
+        polygons = self.polygons.take(chosen)
+        return _Facets(self.cell[chosen], self.other[chosen], polygons, self.area[chosen], self.centroid[chosen])
+
+    def merged(self, stay: BoolArray, number: IntArray, new: _Facets) -> _Facets:
+        """Those of cells that stay, numbered anew, and new ones; both are sorted by cell, and so is the result."""
+        ours = (self.cell, self.other, self.area, self.centroid)
+        cell, other, area, centroid, chosen = _merged(*ours, stay, number, new.cell, new.other, new.area, new.centroid)
+        return _Facets(cell, other, self.polygons.picked(new.polygons, chosen), area, centroid)
 
 
-def voronoi_cells(x: FloatArray, size: tuple[float, float, float], spacing: FloatArray) -> Cells:
+@njit(cache=True)
+def _merged(  # type: ignore[no-untyped-def]
+    cell, other, area, centroid, stay, number, new_cell, new_other, new_area, new_centroid
+):
+    most = len(cell) + len(new_cell)
+    out_cell, out_other, chosen = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most, np.int64)
+    out_area, out_centroid = np.empty(most), np.empty((most, 3))
+    n, k, m = 0, 0, 0
+    while k < len(cell) or m < len(new_cell):
+        if k < len(cell) and not stay[cell[k]]:
+            k += 1
+            continue
+        if m == len(new_cell) or (k < len(cell) and number[cell[k]] < new_cell[m]):
+            out_cell[n] = number[cell[k]]
+            out_other[n] = number[other[k]] if other[k] >= 0 else other[k]
+            out_area[n] = area[k]
+            for a in range(3):
+                out_centroid[n, a] = centroid[k, a]
+            chosen[n] = k
+            k += 1
+        else:
+            out_cell[n] = new_cell[m]
+            out_other[n] = new_other[m]
+            out_area[n] = new_area[m]
+            for a in range(3):
+                out_centroid[n, a] = new_centroid[m, a]
+            chosen[n] = len(cell) + m
+            m += 1
+        n += 1
+    return out_cell[:n], out_other[:n], out_area[:n], out_centroid[:n], chosen[:n]
+
+
+def _clipped(
+    todo: BoolArray, x: FloatArray, size: FloatArray, spacing: FloatArray
+) -> tuple[FloatArray, _Facets, _Facets]:
+    """Reach and facets of some cells: those between cells, and those on the surface."""
+    grid = grid_of(x, float(np.median(spacing)))
+    order = grid.order[todo[grid.order]]  # neighbours one after another: what they need is still at hand
+    points = np.empty((45 * len(order) + 64, 3))  # numpy takes large pages for it, compiled code does not
+    reach2, count, other, corners, points = clip_cells(order, x, size, spacing, grid, points)
+    polygons = Ragged(points, np.concatenate([[0], np.cumsum(corners)]), np.arange(len(corners)))
+    out = np.empty(len(x))
+    out[order] = reach2
+    found = _Facets(np.repeat(order, count), other, polygons, *polygon_measures(polygons))
+    sorting = np.argsort(found.cell, kind="stable")
+    inner = other[sorting] >= 0
+    return out, found.take(sorting[inner]), found.take(sorting[~inner])
+
+
+def _unchanged(x: FloatArray, nucleus: IntArray, previous: Cells) -> tuple[IntArray, BoolArray]:
+    """New number of every previous cell, -1 for none, and which of them no change has any influence on."""
+    number = np.full(max(nucleus[-1], previous.nucleus[-1]) + 1, -1)
+    number[nucleus] = np.arange(len(nucleus))
+    number = number[previous.nucleus]
+    stay = number >= 0
+    assert np.array_equal(x[number[stay]], previous.x[stay])
+    came = np.ones(len(x), np.bool_)
+    came[number[stay]] = False
+    changed = np.concatenate([x[came], previous.x[~stay]])
+    if len(changed):
+        stay &= ~within(previous.x, previous.reach2, grid_of(changed, 0.0))
+    return number, stay
+
+
+def voronoi_cells(
+    x: FloatArray,
+    size: tuple[float, float, float],
+    spacing: FloatArray,
+    nucleus: IntArray | None = None,
+    previous: Cells | None = None,
+) -> Cells:
     """Voronoi cells of nuclei in a box.
-
-    Reflecting the nuclei near a face in that face makes it a boundary of cells. Whether enough were reflected is
-    checked, not assumed: no cell may reach beyond the box; where one does, its nucleus is reflected too.
 
     Parameters
     ----------
     x : (n, 3) array
-        Nuclei [m].
+        Nuclei [m], all different.
     size : tuple of float
         Dimensions of the box [m].
     spacing : (n,) array
-        Local spacing [m], to guess which cells reach the surface.
-    """
-    n = len(x)
-    extent = np.asarray(size)
-    distance = np.concatenate([x, extent - x], axis=1)  # (n, 6): lower faces, then upper faces
-    reflect = distance < _FIRST_MARGIN * spacing[:, None]
-    tolerance = 1e-9 * extent.max()
-    while True:
-        images, sources, faces = [x], [np.arange(n)], [np.full(n, -1)]
-        for face in range(6):
-            axis, side = face % 3, face // 3
-            chosen = np.flatnonzero(reflect[:, face])
-            image = x[chosen].copy()
-            image[:, axis] = 2.0 * side * size[axis] - image[:, axis]
-            images.append(image)
-            sources.append(chosen)
-            faces.append(np.full(len(chosen), 2 * axis + side))
-        source, face_of = np.concatenate(sources), np.concatenate(faces)
-        diagram = Voronoi(np.concatenate(images))
-        ends = diagram.ridge_points.astype(np.int64)
-        own = np.flatnonzero((ends < n).any(axis=1))
-        lists = [diagram.ridge_vertices[k] for k in own]
-        ends = ends[own]
-        ends = np.where((ends[:, 0] < n)[:, None], ends, ends[:, ::-1])
-        polygons = _ragged(lists, diagram.vertices)
-        corner_cell = np.repeat(ends[:, 0], np.diff(polygons.offsets))
-        other = np.repeat(ends[:, 1], np.diff(polygons.offsets))
-        unbounded = np.repeat([min(v) < 0 for v in lists], np.diff(polygons.offsets))
-        beyond = np.concatenate([polygons.points < -tolerance, polygons.points > extent + tolerance], axis=1)
-        beyond |= unbounded[:, None]
-        missing = np.zeros_like(reflect)
-        for end in (corner_cell, np.where(other < n, other, corner_cell)):
-            rows, columns = np.nonzero(beyond)
-            missing[end[rows], columns] = True
-        missing &= ~reflect
-        if not missing.any():
-            break
-        reflect |= missing
+        Local spacing [m], a guess of how far neighbours are; it has no influence on the result.
+    nucleus : (n,) array, optional
+        Identities of the nuclei, ascending; by default their indices.
+    previous : Cells, optional
+        Cells of other nuclei in the same box, those of the same identity at the same place. The cells on which no
+        nucleus that came or went has any influence are taken from there; the result is the same, bit for bit.
 
-    inner = ends[:, 1] < n
-    surface = ~inner & (source[ends[:, 1]] == ends[:, 0])
-    pairs = np.sort(ends[inner], axis=1)
-    facets = polygons.take(np.flatnonzero(inner))
-    outer = polygons.take(np.flatnonzero(surface))
-    face = face_of[ends[surface, 1]]
-    # Corners on the box's faces sit exactly there.
-    points = np.clip(outer.points, 0.0, extent)
-    corner_face = np.repeat(face, np.diff(outer.offsets))
-    points[np.arange(len(points)), corner_face // 2] = (extent[corner_face // 2]) * (corner_face % 2)
+    Raises
+    ------
+    ValueError
+        Two nuclei coincide.
+    """
+    x = np.ascontiguousarray(x)
+    nucleus = np.arange(len(x)) if nucleus is None else nucleus
+    extent = np.asarray(size, float)
+    todo = np.ones(len(x), np.bool_)
+    if previous is None:
+        reach2, inner, outer = _clipped(todo, x, extent, spacing)
+    else:
+        assert previous.size == size
+        number, stay = _unchanged(x, nucleus, previous)
+        todo[number[stay]] = False
+        reach2, new_inner, new_outer = _clipped(todo, x, extent, spacing)
+        reach2[number[stay]] = previous.reach2[stay]
+        old_inner = (previous.pairs[:, 0].copy(), previous.pairs[:, 1].copy(), previous.facets)
+        inner = _Facets(*old_inner, previous.area, previous.centroid).merged(stay, number, new_inner)
+        old_outer = (previous.surface_body, previous.surface_face - 6, previous.surface)
+        outer = _Facets(*old_outer, previous.surface_area, previous.surface_centroid)
+        outer = outer.merged(stay, number, new_outer)
     return Cells(
-        pairs,
-        Ragged(np.clip(facets.points, 0.0, extent), facets.offsets, np.arange(len(facets))),
-        ends[surface, 0],
-        face,
-        Ragged(points, outer.offsets, np.arange(len(outer))),
+        x,
+        nucleus,
+        size,
+        reach2,
+        np.stack([inner.cell, inner.other], axis=1),
+        replace(inner.polygons, owner=np.arange(len(inner.cell))),
+        inner.area,
+        inner.centroid,
+        outer.cell,
+        outer.other + 6,
+        replace(outer.polygons, owner=np.arange(len(outer.cell))),
+        outer.area,
+        outer.centroid,
     )
