@@ -118,7 +118,6 @@ def plot_crack(result: Result, path: Path) -> None:
 def _view(snapshot: Snapshot) -> View:
     tessellation = snapshot.tessellation
     surface, contacts = tessellation.surface, tessellation.contacts
-    polygons = _projected(surface.polygons)
     facet = surface.polygons.facet
     front = surface.names.index("front") if "front" in surface.names else -1
     on_front = np.flatnonzero(surface.surface[facet] == front)
@@ -126,26 +125,27 @@ def _view(snapshot: Snapshot) -> View:
     edge_on = np.flatnonzero(np.abs(surface.normal[facet, 2]) < 0.1)
     opening = snapshot.opening * 1e6
     largest = float(opening.max(initial=0.0))
-    shapes, of = _projected(contacts.polygons), contacts.polygons.facet
+    of = contacts.polygons.facet
     shown = np.flatnonzero((opening[of] > SHOWN * largest) & (opening[of] > 0))
     shown = shown[np.argsort(opening[of[shown]], kind="stable")]
     fine = tessellation.fine[surface.body[facet]]
     pieces = np.bincount(facet)
     return View(
-        bodies=[polygons[k] for k in on_front],
+        bodies=_projected(surface.polygons, on_front),
         colours=[FINE if fine[k] else COARSE for k in on_front],
         # A facet that a notch cut into pieces has no edges between them; its neighbours draw the outer ones.
         edges=[EDGE if pieces[facet[k]] == 1 else FINE if fine[k] else COARSE for k in on_front],
-        cracks=[shapes[k] for k in shown],
-        outline=[np.vstack([polygons[k], polygons[k][:1]]) for k in edge_on],
+        cracks=_projected(contacts.polygons, shown),
+        outline=[np.vstack([shape, shape[:1]]) for shape in _projected(surface.polygons, edge_on)],
         openings=opening[of[shown]],
         norm=Normalize(0.0, largest or 1.0),
     )
 
 
-def _projected(polygons: Polygons) -> list[FloatArray]:
-    """Corners (k, 2) of every polygon seen along z, in mm."""
-    return np.split(polygons.points[:, :2] * 1e3, polygons.offsets[1:-1])
+def _projected(polygons: Polygons, chosen: NDArray[np.int64]) -> list[FloatArray]:
+    """Corners (k, 2) of chosen polygons seen along z, in mm."""
+    flat, offsets = polygons.points[:, :2] * 1e3, polygons.offsets
+    return [flat[a:b] for a, b in zip(offsets[chosen].tolist(), offsets[chosen + 1].tolist(), strict=True)]
 
 
 def _draw(axes: Axes, view: View, window: FloatArray, scale: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from fissura.tessellation.structure import Polygons, Tessellation
@@ -108,24 +109,44 @@ def polyhedra(tessellation: Tessellation) -> Polyhedra:
 
 
 def _merged(points: FloatArray, body: IntArray, volume: FloatArray) -> tuple[IntArray, IntArray]:
-    """Index of the merged point of every corner, and one corner of each merged point.
+    """Index of the merged point of every corner, and one corner of each merged point; bodies ascend.
 
     Along each axis the coordinates of a body are sorted and cut into groups wherever two successive ones
     are farther apart than the tolerance. Unlike rounding, this never parts two that are almost equal.
     """
-    tolerance = MERGE * np.cbrt(volume)
-    label = body
-    for axis in range(3):
-        order = np.lexsort((points[:, axis], body))
-        value, owner = points[order, axis], body[order]
-        cut = np.ones(len(order), dtype=bool)
-        cut[1:] = (np.diff(value) > tolerance[owner[1:]]) | (np.diff(owner) != 0)
-        group = np.empty(len(order), dtype=np.int64)
-        group[order] = np.cumsum(cut)
-        _, label = np.unique(label * (len(order) + 1) + group, return_inverse=True)
-    # Labels ascend with the body because the body leads every key.
-    _, first, index = np.unique(label, return_index=True, return_inverse=True)
-    return index, first
+    bounds = np.searchsorted(body, np.arange(len(volume) + 1))
+    index, first = np.empty(len(points), dtype=np.int64), np.empty(len(points), dtype=np.int64)
+    count = _merge(points, bounds, MERGE * np.cbrt(volume), index, first)
+    return index, first[:count]
+
+
+@njit(cache=True)
+def _merge(points, bounds, tolerance, index, first):  # type: ignore[no-untyped-def]
+    most = np.diff(bounds).max() if len(bounds) > 1 else 0
+    label = np.empty(most, dtype=np.int64)
+    count = 0
+    for body in range(len(tolerance)):
+        low, high = bounds[body], bounds[body + 1]
+        n = high - low
+        label[:n] = 0
+        for axis in range(3):
+            order = np.argsort(points[low:high, axis])
+            group = 0
+            for k in range(n):
+                if k > 0 and points[low + order[k], axis] - points[low + order[k - 1], axis] > tolerance[body]:
+                    group += 1
+                # n groups at most along each axis, so that three of them make one number.
+                label[order[k]] += group * n ** (2 - axis)
+        order = np.argsort(label[:n])
+        for k in range(n):
+            corner = low + order[k]
+            if k == 0 or label[order[k]] != label[order[k - 1]]:
+                first[count] = corner
+                count += 1
+            elif corner < first[count - 1]:
+                first[count - 1] = corner
+            index[corner] = count - 1
+    return count
 
 
 def _kept(index: IntArray, face: IntArray, faces: int) -> NDArray[np.bool_]:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import io
+import os
+import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fissura.errors import InputError
-from fissura.results.summary import write_atomically
+from fissura.results.compression import level
 from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
 
 if TYPE_CHECKING:
@@ -52,9 +54,14 @@ def write_state(path: Path, step: Step) -> None:
         ("surface.polygons.", tessellation.surface.polygons, POLYGONS),
     ):
         arrays.update({prefix + name: np.asarray(getattr(owner, name)) for name in names})
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, **arrays)
-    write_atomically(path, buffer.getvalue())
+    temporary = path.with_name(path.name + ".part")
+    with zipfile.ZipFile(temporary, "w") as archive:
+        for name, value in arrays.items():
+            values, buffer = np.asanyarray(value), io.BytesIO()
+            np.lib.format.write_array(buffer, values, allow_pickle=False)
+            kind = zipfile.ZIP_DEFLATED if level(values) else zipfile.ZIP_STORED
+            archive.writestr(name + ".npy", buffer.getbuffer(), kind, compresslevel=1)
+    os.replace(temporary, path)
 
 
 def read_state(path: str | Path) -> tuple[int, Snapshot]:
