@@ -63,14 +63,20 @@ class Report:
     checks: list[Check] = field(default_factory=list)
 
 
-def options(description: str | None, cases: Sequence[str], seeds: Sequence[int]) -> argparse.Namespace:
-    """Parse the options that all scripts have."""
+def options(
+    description: str | None, cases: Sequence[str], seeds: Sequence[int], *, before: bool = False
+) -> argparse.Namespace:
+    """Parse the options that all scripts have, and where to find an earlier version when that is asked for."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--cases", nargs="+", default=list(cases), metavar="NAME", help="cases of examples/")
+    parser.add_argument(
+        "--cases", nargs="+", default=list(cases), metavar="NAME", help="what to run, by default all: %(default)s"
+    )
     parser.add_argument("--seeds", nargs="+", type=int, default=list(seeds), metavar="N", help="seeds of the nuclei")
     parser.add_argument("--json", type=Path, metavar="PATH", help="write all numbers there")
     parser.add_argument("--write", type=Path, metavar="PAGE", help="put the tables into this Markdown page")
     parser.add_argument("--check", action="store_true", help="exit with status 1 when a target is missed")
+    if before:
+        parser.add_argument("--before", type=Path, metavar="DIR", help="checkout of an earlier version")
     found = parser.parse_args()
     words = [word for name in ("cases", "seeds") for word in _changed(parser, found, name)]
     found.command = shlex.join(["python", f"benchmarks/{Path(sys.argv[0]).name}", *words])

@@ -45,7 +45,9 @@ def test_bar_follows_the_contact_law_into_softening_and_back(bar):
     u, load = np.zeros(bar.size), 0.0
     area = SIDE * SIDE
     for strain in np.array([0.5, 0.9, 1.2, 2.0, 4.0, 8.0, 5.0, 1.0, 6.0, 12.0, 40.0]) * YIELD:
-        state = solver.solve(bar, history, prescribed(bar.control, strain * LENGTH), (u, load), 0.1 * area * CONCRETE.f_t)
+        state = solver.solve(
+            bar, history, prescribed(bar.control, strain * LENGTH), (u, load), 0.1 * area * CONCRETE.f_t
+        )
         assert state is not None
         u, load, history = state.response.u, state.load, state.response.history
         traction, own = law.response(np.array([[strain, 0.0, 0.0]]), own)
@@ -57,7 +59,9 @@ def test_bar_follows_the_contact_law_into_softening_and_back(bar):
 def test_bar_under_compression_hardens(bar):
     solver = StepSolver(1e-10, 60)
     value = -25 * YIELD * LENGTH
-    state = solver.solve(bar, bar.virgin(), prescribed(bar.control, value), (np.zeros(bar.size), 0.0), CONCRETE.f_t * SIDE**2)
+    state = solver.solve(
+        bar, bar.virgin(), prescribed(bar.control, value), (np.zeros(bar.size), 0.0), CONCRETE.f_t * SIDE**2
+    )
     law = CusatisCedolin.create(CONCRETE, np.array([LENGTH]))
     traction, _ = law.response(np.array([[-25 * YIELD, 0.0, 0.0]]), law.initial_history())
     assert state.load == pytest.approx(SIDE**2 * traction[0, 0], rel=1e-7)
@@ -132,7 +136,7 @@ def test_newton_and_secant_find_the_same_state(system, monkeypatch):
     start = settle(system, system.virgin(), 4e-6)
     guess = (start.response.u, start.load)
     newton = StepSolver(1e-9, 300).solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0)
-    monkeypatch.setattr(StepSolver, "_newton", StepSolver._secant)
+    monkeypatch.setattr(StepSolver, "_newton", lambda self, trial: self._mixed(trial, 0.0))
     secant = StepSolver(1e-9, 300).solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0)
     assert newton.iterations < secant.iterations
     assert newton.load == pytest.approx(secant.load, rel=1e-6)
@@ -143,7 +147,10 @@ def test_newton_converges_quadratically(system):
     """From 1e-4 to 1e-9 takes no more than two further iterations."""
     start = settle(system, system.virgin(), 4e-6)
     guess = (start.response.u, start.load)
-    count = [StepSolver(t, 60).solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0).iterations for t in (1e-4, 1e-9)]
+    count = [
+        StepSolver(t, 60).solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0).iterations
+        for t in (1e-4, 1e-9)
+    ]
     assert count[1] <= count[0] + 2
 
 
@@ -158,7 +165,9 @@ def test_elastic_bodies_around_a_fine_zone():
     system = beam_system(case, region=half_fine())
     assert len(system.passive)
     start = settle(system, system.virgin(), 6e-6)
-    state = StepSolver(1e-8, 60).solve(system, system.virgin(), prescribed(system.control, 6e-6), (start.response.u, start.load), 0.0)
+    state = StepSolver(1e-8, 60).solve(
+        system, system.virgin(), prescribed(system.control, 6e-6), (start.response.u, start.load), 0.0
+    )
     assert state is not None
     assert len(state.response.history) == len(system.active)
     elastic = (system.moduli * state.response.strain)[system.passive]

@@ -13,11 +13,10 @@ def system():
 
 @pytest.fixture
 def make(system, monkeypatch):
-    """Build a solver with the limits of its choice replaced."""
+    """Build a solver with the limit of its choice replaced."""
 
-    def build(large, most_held=symmetric._MOST_HELD):
+    def build(large):
         monkeypatch.setattr(symmetric, "_LARGE", large)
-        monkeypatch.setattr(symmetric, "_MOST_HELD", most_held)
         system.solver.factorizations = 0
         return SymmetricSolver(system.pattern, system.tessellation.x, system.solver)
 
@@ -38,12 +37,6 @@ def test_small_and_large_structures_get_the_same_solution(system, make):
     found = solved(iterative, system)
     assert (iterative.preparations, system.solver.factorizations) == (1, 0)
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6 * np.abs(expected).max())
-
-
-def test_many_held_bodies_are_left_to_the_direct_solver(system, make):
-    solver = make(1, most_held=0)
-    solved(solver, system)
-    assert (solver.preparations, system.solver.factorizations) == (0, 1)
 
 
 @pytest.mark.parametrize("failing", ["factor", "solve"])

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from fissura.equilibrium.attach import attach, owners
-from fissura.equilibrium.constraint import Constraint, prescribed
+from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.direct import SOLVERS, SingularMatrixError, best_solver
 from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
+from fissura.equilibrium.path import Goal, PathFollower
 from fissura.equilibrium.steps import StepLength
 from fissura.equilibrium.system import Response, System
 
@@ -13,7 +14,9 @@ __all__ = [
     "SOLVERS",
     "Constraint",
     "Equilibrium",
+    "Goal",
     "Norms",
+    "PathFollower",
     "Response",
     "SingularMatrixError",
     "StepLength",
@@ -21,6 +24,7 @@ __all__ = [
     "System",
     "attach",
     "best_solver",
+    "dissipating",
     "owners",
     "prescribed",
     "settle",

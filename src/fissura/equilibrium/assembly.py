@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numba import njit
@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from fissura.contact import Kinematics
+from fissura.equilibrium.low_rank import LowRank
 
-__all__ = ["Pattern", "assemble", "pattern"]
+__all__ = ["Pattern", "add_spin", "assemble", "pattern"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -30,28 +31,35 @@ class Pattern:
         Compressed sparse rows.
     start, stride : (n,) arrays
         Place of each body's first row, and length of its rows.
+    neighbours : (z / 36,) array
+        Body of each block's columns: those of body ``b`` are ``neighbours[start[b] // 36:start[b + 1] // 36]``,
+        ascending.
     diagonal : (n,) array
         Offset ``6 k`` of the diagonal block.
     opposite : (2 m,) array
         Offset ``6 k`` of the block that couples a body with the other body of a contact, in the order of
         ``Kinematics.adjacent``.
-    upper : (z',) array
-        Entries on and above the diagonal.
     fixed : (y,) array
         Entries to which `fixed_values`, the constant part, are added.
     fixed_values : (y,) array
         Their values [N/m, N, N m].
+    spin : (m,) array
+        Constant stiffness of contacts against relative rotation [N m].
+    wide : LowRank
+        Part of the matrix that has no entries here, since it couples too many bodies.
     """
 
     indptr: NDArray[np.int32]
     indices: NDArray[np.int32]
     start: IntArray
     stride: IntArray
-    diagonal: IntArray
-    opposite: IntArray
-    upper: IntArray
+    neighbours: NDArray[np.int32]
+    diagonal: NDArray[np.int32]
+    opposite: NDArray[np.int32]
     fixed: IntArray
     fixed_values: FloatArray
+    spin: FloatArray
+    wide: LowRank = field(default_factory=LowRank.none)
 
     @property
     def size(self) -> int:
@@ -59,11 +67,79 @@ class Pattern:
         return len(self.indptr) - 1
 
     def matrix(self, data: FloatArray) -> csr_array:
-        """The matrix with the given entries, as scipy knows it."""
+        """The matrix with the given entries, as scipy knows it, without its part `wide`."""
         return csr_array((data, self.indices, self.indptr), shape=(self.size, self.size))
 
+    def product(self, data: FloatArray, u: FloatArray) -> FloatArray:
+        """The whole matrix with the given entries times a vector; (6 n,) -> (6 n,)."""
+        out: FloatArray = self.matrix(data) @ u
+        self.wide.add_product(u.reshape(-1, 6), out.reshape(-1, 6))
+        return out
 
-def pattern(geometry: Kinematics, constant: csr_array) -> Pattern:
+
+@njit(cache=True)
+def _neighbours(bodies, first, adjacent, more_first, more, begin, out):  # type: ignore[no-untyped-def]
+    """Bodies in the rows of every body, ascending and without repetitions; returns where each row ends."""
+    n = len(first) - 1
+    end = np.empty(n, dtype=np.int64)
+    for b in range(n):
+        last = begin[b]
+        for k in range(first[b] - 1, first[b + 1] + more_first[b + 1] - more_first[b]):
+            if k < first[b]:
+                other = b
+            elif k < first[b + 1]:
+                other = bodies[adjacent[k] // 2, 1 - adjacent[k] % 2]
+            else:
+                other = more[more_first[b] + k - first[b + 1]]
+            p = last
+            while p > begin[b] and out[p - 1] > other:
+                p -= 1
+            if p > begin[b] and out[p - 1] == other:
+                continue
+            for q in range(last, p, -1):
+                out[q] = out[q - 1]
+            out[p] = other
+            last += 1
+        end[b] = last
+    return end
+
+
+@njit(cache=True)
+def _expanded(first, neighbours, indptr, indices):  # type: ignore[no-untyped-def]
+    entry = 0
+    for b in range(len(first) - 1):
+        for a in range(6):
+            indptr[6 * b + a] = entry
+            for k in range(first[b], first[b + 1]):
+                for d in range(6):
+                    indices[entry] = 6 * neighbours[k] + d
+                    entry += 1
+    indptr[-1] = entry
+
+
+@njit(cache=True)
+def _offsets(first, neighbours, row, column):  # type: ignore[no-untyped-def]
+    """Offset of the block of each row and column in the rows of its body."""
+    out = np.empty(len(row), dtype=np.int32)
+    for k in range(len(row)):
+        begin, end = first[row[k]], first[row[k] + 1]
+        out[k] = 6 * np.searchsorted(neighbours[begin:end], column[k])
+    return out
+
+
+@njit(cache=True)
+def _opposites(bodies, owner_first, adjacent, first, neighbours):  # type: ignore[no-untyped-def]
+    out = np.empty(len(adjacent), dtype=np.int32)
+    for b in range(len(first) - 1):
+        row = neighbours[first[b] : first[b + 1]]
+        for k in range(owner_first[b], owner_first[b + 1]):
+            out[k] = 6 * np.searchsorted(row, bodies[adjacent[k] // 2, 1 - adjacent[k] % 2])
+    return out
+
+
+def pattern(
+    geometry: Kinematics, constant: csr_array, spin: FloatArray | None = None, wide: LowRank | None = None
+) -> Pattern:
     """Pattern for the contacts of a discretization and a constant part.
 
     Parameters
@@ -72,48 +148,45 @@ def pattern(geometry: Kinematics, constant: csr_array) -> Pattern:
         Contacts.
     constant : (6 n, 6 n) sparse array
         Stiffness that never changes, such as that of supports; symmetric.
+    spin : (m,) array, optional
+        Stiffness of contacts against relative rotation of their bodies [N m].
+    wide : LowRank, optional
+        Part of the matrix to keep apart.
     """
     n = len(geometry.first) - 1
-    i, j = geometry.bodies.T
     extra = constant.tocoo()
-    rows = np.concatenate([i, j, np.arange(n), extra.row // 6])
-    columns = np.concatenate([j, i, np.arange(n), extra.col // 6])
-    keys = np.unique(rows.astype(np.int64) * n + columns)
-    block_row, block_column = keys // n, keys % n
-    first = np.searchsorted(block_row, np.arange(n + 1))
-    count = np.diff(first)
-    start, stride = 36 * first[:-1], 6 * count
-    indptr = np.concatenate([[0], np.cumsum(np.repeat(stride, 6))])
-    row_columns = (6 * block_column[:, None] + np.arange(6)).ravel()  # columns of the first row of every body
-    lengths = np.repeat(stride, 6)
-    source = np.repeat(np.repeat(6 * first[:-1], 6) - indptr[:-1], lengths) + np.arange(indptr[-1])
-    indices = row_columns[source]
-
-    def offset(row: IntArray, column: IntArray) -> IntArray:
-        return 6 * (np.searchsorted(keys, row * n + column) - first[row])
-
-    contact, side = geometry.adjacent // 2, geometry.adjacent % 2
-    owner, other = geometry.bodies[contact, side], geometry.bodies[contact, 1 - side]
-    of_row = np.repeat(np.arange(6 * n), lengths)
+    keys = np.unique((extra.row // 6).astype(np.int64) * n + extra.col // 6)
+    more_first = np.searchsorted(keys, np.arange(n + 1) * n)
+    begin = geometry.first + more_first + np.arange(n + 1)  # each body, its contacts and what is constant
+    room = np.empty(begin[-1], dtype=np.int32)
+    end = _neighbours(geometry.bodies, geometry.first, geometry.adjacent, more_first, keys % n, begin[:-1], room)
+    first = np.concatenate([[0], np.cumsum(end - begin[:-1])])
+    if first[-1] < len(room):
+        room = room[np.arange(first[-1]) + np.repeat(begin[:-1] - first[:-1], np.diff(first))]
+    indptr, indices = np.empty(6 * n + 1, dtype=np.int32), np.empty(36 * len(room), dtype=np.int32)
+    _expanded(first, room, indptr, indices)
+    start, stride = 36 * first[:-1], 6 * np.diff(first)
     r, c = extra.row.astype(np.int64), extra.col.astype(np.int64)
-    entry = start[r // 6] + (r % 6) * stride[r // 6] + offset(r // 6, c // 6) + c % 6
+    entry = start[r // 6] + (r % 6) * stride[r // 6] + _offsets(first, room, r // 6, c // 6) + c % 6
     fixed, where = np.unique(entry, return_inverse=True)
     return Pattern(
-        indptr.astype(np.int32),
-        indices.astype(np.int32),
+        indptr,
+        indices,
         start,
         stride,
-        offset(np.arange(n), np.arange(n)),
-        offset(owner, other),
-        np.flatnonzero(indices >= of_row),
+        room,
+        _offsets(first, room, np.arange(n), np.arange(n)),
+        _opposites(geometry.bodies, geometry.first, geometry.adjacent, first, room),
         fixed,
         np.asarray(np.bincount(where, extra.data, len(fixed)), dtype=np.float64),
+        np.zeros(len(geometry)) if spin is None else spin,
+        LowRank.none() if wide is None else wide,
     )
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"contract"})
 def _assemble(  # type: ignore[no-untyped-def]
-    rows, volume, first, adjacent, tangent, start, stride, diagonal, opposite, data
+    rows, volume, first, adjacent, tangent, spin, start, stride, diagonal, opposite, data
 ):
     scaled = np.empty((6, 3))
     for body in range(len(start)):
@@ -136,6 +209,9 @@ def _assemble(  # type: ignore[no-untyped-def]
                         o += scaled[p, a] * rows[c, a, 6 - shift + q]
                     data[here + q] += s
                     data[there + q] += o
+            for p in range(3, 6):
+                data[own + p * stride[body] + p] += spin[c]
+                data[other + p * stride[body] + p] -= spin[c]
 
 
 def assemble(geometry: Kinematics, form: Pattern, tangent: FloatArray) -> FloatArray:
@@ -157,6 +233,7 @@ def assemble(geometry: Kinematics, form: Pattern, tangent: FloatArray) -> FloatA
         geometry.first,
         geometry.adjacent,
         tangent,
+        form.spin,
         form.start,
         form.stride,
         form.diagonal,
@@ -165,3 +242,18 @@ def assemble(geometry: Kinematics, form: Pattern, tangent: FloatArray) -> FloatA
     )
     data[form.fixed] += form.fixed_values
     return data
+
+
+@njit(cache=True)
+def _add_spin(bodies, spin, u, out):  # type: ignore[no-untyped-def]
+    for c in range(len(spin)):
+        i, j = bodies[c, 0], bodies[c, 1]
+        for a in range(3, 6):
+            moment = spin[c] * (u[i, a] - u[j, a])
+            out[i, a] += moment
+            out[j, a] -= moment
+
+
+def add_spin(geometry: Kinematics, spin: FloatArray, u: FloatArray, forces: FloatArray) -> None:
+    """Add the moments of the constant stiffness of contacts against relative rotation to `forces`; both (n, 6)."""
+    _add_spin(geometry.bodies, spin, u, forces)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from fissura.specimen import Functional
 from fissura.tessellation import Tessellation
 
-__all__ = ["attach", "owners"]
+__all__ = ["attach", "attach_rows", "owners"]
 
 FloatArray = NDArray[np.float64]
 
@@ -30,9 +33,24 @@ def attach(functional: Functional, tessellation: Tessellation) -> FloatArray:
     (n, 6) array
         As a load: forces [N] and moments [N m] at the nuclei.
     """
-    body = owners(tessellation, functional.points)
-    arm = functional.points - tessellation.x[body]
-    out = np.zeros((len(tessellation), 6))
-    np.add.at(out[:, :3], body, functional.coefficients)
-    np.add.at(out[:, 3:], body, np.cross(arm, functional.coefficients))
+    row = attach_rows([functional], tessellation, owners(tessellation, functional.points))
+    return np.asarray(row.toarray().reshape(-1, 6), dtype=np.float64)
+
+
+def attach_rows(functionals: Sequence[Functional], tessellation: Tessellation, body: NDArray[np.int64]) -> csr_array:
+    """Coefficients of several functionals, given the owners of all of their points one after the other.
+
+    Returns
+    -------
+    (k, 6 n) sparse array
+        See :func:`attach`.
+    """
+    points = np.concatenate([f.points for f in functionals])
+    force = np.concatenate([f.coefficients for f in functionals])
+    moment = np.cross(points - tessellation.x[body], force)
+    row = np.repeat(np.arange(len(functionals)), [6 * len(f.points) for f in functionals])
+    column = (6 * body[:, None] + np.arange(6)).ravel()
+    values = np.concatenate([force, moment], axis=1).ravel()
+    out = csr_array((values, (row, column)), shape=(len(functionals), 6 * len(tessellation)))
+    out.eliminate_zeros()
     return out

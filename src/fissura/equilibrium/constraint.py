@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Constraint", "prescribed"]
+from fissura.equilibrium.krylov import dot
+
+if TYPE_CHECKING:
+    from fissura.equilibrium.system import Response, System
+
+__all__ = ["Constraint", "dissipating", "holding", "prescribed"]
 
 FloatArray = NDArray[np.float64]
 
@@ -38,7 +44,7 @@ class Constraint:
 
     def gap(self, u: FloatArray, load: float) -> float:
         """What is missing."""
-        return self.value - float(self.vector @ u) - self.load_factor * load
+        return self.value - dot(self.vector, u) - self.load_factor * load
 
     def met(self, u: FloatArray, load: float) -> bool:
         """Whether the equation holds."""
@@ -48,3 +54,39 @@ class Constraint:
 def prescribed(control: FloatArray, value: float) -> Constraint:
     """Indirect displacement control: a gauge takes the given value [m] (de Borst 1987)."""
     return Constraint(control, 0.0, value, 1e-9, prescribed=True)
+
+
+def dissipating(load: FloatArray, u: FloatArray, multiplier: float, energy: float) -> Constraint:
+    """Control by dissipated energy: a step away from an equilibrium takes a given energy [J].
+
+    All unloading goes to the origin, so the energy that a step dissipates is linear in where it ends, ``(multiplier
+    load . u_new - multiplier_new load . u) / 2`` (Gutierrez 2004; Verhoosel, Remmers & Gutierrez 2009).
+
+    Parameters
+    ----------
+    load : (6 n,) array
+        Unit load.
+    u : (6 n,) array
+        Displacements of the equilibrium where the step begins.
+    multiplier : float
+        Its load multiplier [N].
+    energy : float
+        Energy to dissipate.
+    """
+    return Constraint(0.5 * multiplier * load, -0.5 * dot(load, u), energy, 1e-3)
+
+
+def holding(system: System, before: Response, after: Response) -> Constraint | None:
+    """Hold the contacts whose damage grew from one state to another where they are in the latter; None if none grew.
+
+    Where damage localizes, the energy dissipated is stationary along the branch on which all contacts that were damaged
+    so far go on, and Newton's method fails. The contacts whose damage runs away under a kept displacement are those of
+    the branch on which the others unload; their opening is a gauge for it, as a crack mouth opening would be (weighted
+    by growth, after Geers 1999).
+    """
+    growth = np.maximum(after.history[:, 0] - before.history[:, 0], 0.0)
+    traction = np.zeros_like(after.traction)
+    traction[system.active] = growth[:, None] * after.traction[system.active]
+    vector = system.internal(traction, np.zeros(system.size))
+    value = dot(vector, after.u)
+    return Constraint(vector, 0.0, value, 1e-6) if value > 0.0 else None

@@ -2,45 +2,95 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Protocol
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
 from fissura.equilibrium.assembly import Pattern
+from fissura.equilibrium.linear import SingularMatrixError
+from fissura.equilibrium.woodbury import WideCorrection
 
 try:  # its wheels exist for x86 only
     import pymklpardiso
 except ImportError:
     pymklpardiso = None
 
-__all__ = ["SOLVERS", "DirectSolver", "MklPardiso", "SingularMatrixError", "SuperLU", "best_solver"]
+__all__ = ["SOLVERS", "MklPardiso", "SingularMatrixError", "SuperLU", "best_solver"]
 
 FloatArray = NDArray[np.float64]
 
 
-class SingularMatrixError(Exception):
-    """The matrix cannot be factorized."""
+class _Direct(ABC):
+    """What direct solvers have in common."""
 
-
-class DirectSolver(Protocol):
-    """What the nonlinear solver needs of a linear one."""
-
-    factorizations: int
+    def __init__(self, form: Pattern) -> None:
+        self.form = form
+        self.factorizations = 0
+        self._correction = WideCorrection(form) if len(form.wide) else None
 
     def factor(self, data: FloatArray, *, symmetric: bool) -> None:
-        """Factorize the matrix with these entries (all of them, in the order of the pattern)."""
+        """Factorize; symmetric matrices must be positive definite.
+
+        Raises
+        ------
+        SingularMatrixError
+            A matrix that is singular, or symmetric but not positive definite where the library can tell.
+        """
+        if not np.isfinite(data).all():
+            raise SingularMatrixError("the stiffness matrix holds values that are not finite")
+        self.factorizations += 1
+        correction = self._correction
+        try:
+            self._factor(data if correction is None else correction.anchored(data), symmetric)
+            if correction is not None:
+                correction.prepare(data, self._solve)
+        except (RuntimeError, np.linalg.LinAlgError) as error:
+            raise SingularMatrixError(str(error)) from error
 
     def solve(self, right: FloatArray) -> FloatArray:
-        """Solve for one or more right-hand sides; (n,) or (n, k)."""
+        """Solve with the latest factorization; (n,) or (n, k)."""
+        return self._solve(right) if self._correction is None else self._correction.solve(right, self._solve)
 
     def apply(self, right: FloatArray) -> FloatArray:
         """Apply the latest factorization, as a preconditioner of other matrices; (n,) -> (n,)."""
+        return self.solve(right)
+
+    @abstractmethod
+    def _factor(self, data: FloatArray, symmetric: bool) -> None:
+        """Factorize the part of the matrix that has a pattern; RuntimeError where that is impossible."""
+
+    @abstractmethod
+    def _solve(self, right: FloatArray) -> FloatArray:
+        """Solve with it."""
 
 
-class MklPardiso:
+@njit(cache=True)
+def _upper(indptr, indices, data, out_indptr, out_indices, out):  # type: ignore[no-untyped-def]
+    entry = 0
+    for row in range(len(indptr) - 1):
+        out_indptr[row] = entry
+        for k in range(indptr[row], indptr[row + 1]):
+            if indices[k] >= row:
+                out_indices[entry], out[entry] = indices[k], data[k]
+                entry += 1
+    out_indptr[-1] = entry
+
+
+def upper_triangle(form: Pattern, data: FloatArray) -> csr_array:
+    """Entries on and above the diagonal of a symmetric matrix."""
+    count = (len(data) + form.size) // 2
+    indptr, indices = np.empty(form.size + 1, dtype=np.int32), np.empty(count, dtype=np.int32)
+    out = np.empty(count)
+    _upper(form.indptr, form.indices, data, indptr, indices, out)
+    return csr_array((out, indices, indptr), shape=(form.size, form.size))
+
+
+class MklPardiso(_Direct):
     """PARDISO of the Intel oneAPI Math Kernel Library (Schenk & Gärtner 2004), nested dissection order.
 
     Parameters
@@ -53,94 +103,39 @@ class MklPardiso:
     _PLAIN: ClassVar = {**_ORDERING, 9: 13, 10: 0, 12: 0}  # no scaling or matching, which would depend on values
 
     def __init__(self, form: Pattern) -> None:
-        self.form = form
-        self.factorizations = 0
-        self._solvers: dict[bool, object] = {}
-        self._current: object | None = None
+        super().__init__(form)
+        self._solvers: dict[bool, Any] = {}
+        self._current: Any = None
 
-    def _upper(self, data: FloatArray) -> csr_array:
-        row = np.repeat(np.arange(self.form.size), np.diff(self.form.indptr))[self.form.upper]
-        counts = np.bincount(row, minlength=self.form.size)
-        indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-        return csr_array(
-            (data[self.form.upper], self.form.indices[self.form.upper], indptr),
-            shape=(self.form.size, self.form.size),
-        )
+    def _factor(self, data: FloatArray, symmetric: bool) -> None:
+        matrix = upper_triangle(self.form, data) if symmetric else self.form.matrix(data)
+        solver = self._solvers.pop(symmetric, None)
+        if solver is None:
+            kind = pymklpardiso.MTYPE_REAL_SYM_POSDEF if symmetric else pymklpardiso.MTYPE_REAL_NONSYM
+            solver = pymklpardiso.PardisoSolver(matrix, kind, self._ORDERING if symmetric else self._PLAIN)
+        else:
+            solver.refactor(matrix.data)
+        self._solvers[symmetric] = self._current = solver
 
-    def factor(self, data: FloatArray, *, symmetric: bool) -> None:
-        """Factorize; symmetric matrices must be positive definite.
-
-        Raises
-        ------
-        SingularMatrixError
-            A symmetric matrix that is not positive definite, or a zero pivot.
-        """
-        if not np.isfinite(data).all():
-            raise SingularMatrixError("the stiffness matrix holds values that are not finite")
-        self.factorizations += 1
-        solver = self._solvers.get(symmetric)
-        try:
-            if solver is None:
-                matrix = self._upper(data) if symmetric else self.form.matrix(data)
-                kind = pymklpardiso.MTYPE_REAL_SYM_POSDEF if symmetric else pymklpardiso.MTYPE_REAL_NONSYM
-                solver = pymklpardiso.PardisoSolver(matrix, kind, self._ORDERING if symmetric else self._PLAIN)
-                self._solvers[symmetric] = solver
-            else:
-                solver.refactor(data[self.form.upper] if symmetric else data)  # type: ignore[attr-defined]
-        except RuntimeError as error:
-            self._solvers.pop(symmetric, None)
-            raise SingularMatrixError(str(error)) from error
-        self._current = solver
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Solve with the latest factorization."""
-        assert self._current is not None
-        solution: FloatArray = self._current.solve(np.asfortranarray(right))  # type: ignore[attr-defined]
+    def _solve(self, right: FloatArray) -> FloatArray:
+        solution: FloatArray = self._current.solve(np.asfortranarray(right))
         return solution
 
-    def apply(self, right: FloatArray) -> FloatArray:
-        """Apply the latest factorization, as a preconditioner of other matrices; (n,) -> (n,)."""
-        return self.solve(right)
 
-
-class SuperLU:
+class SuperLU(_Direct):
     """SuperLU as scipy ships it: slower, but available everywhere."""
 
-    def __init__(self, form: Pattern) -> None:
-        self.form = form
-        self.factorizations = 0
+    def _factor(self, data: FloatArray, symmetric: bool) -> None:
+        self._lu = splu(
+            self.form.matrix(data).tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0 if symmetric else 0.01,
+            options={"SymmetricMode": True},
+        )
 
-    def factor(self, data: FloatArray, *, symmetric: bool) -> None:
-        """Factorize.
-
-        Raises
-        ------
-        SingularMatrixError
-            The matrix is singular.
-        """
-        if not np.isfinite(data).all():
-            raise SingularMatrixError("the stiffness matrix holds values that are not finite")
-        self.factorizations += 1
-        matrix = self.form.matrix(data).tocsc()
-        options = {"SymmetricMode": True}
-        try:
-            self._lu = splu(
-                matrix,
-                permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=0.0 if symmetric else 0.01,
-                options=options,
-            )
-        except RuntimeError as error:
-            raise SingularMatrixError(str(error)) from error
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Solve with the latest factorization."""
+    def _solve(self, right: FloatArray) -> FloatArray:
         solution: FloatArray = self._lu.solve(right)
         return solution
-
-    def apply(self, right: FloatArray) -> FloatArray:
-        """Apply the latest factorization, as a preconditioner of other matrices; (n,) -> (n,)."""
-        return self.solve(right)
 
 
 #: Direct solvers by name.

@@ -16,6 +16,9 @@ __all__ = ["Minimized", "dot", "gmres", "norm"]
 
 FloatArray = NDArray[np.float64]
 
+#: Share of a vector that is round-off after others have been taken out of it.
+_ROUND_OFF = 1e-13
+
 #: Sums may be taken in any order, always the same one in one build.
 _FAST = {"reassoc", "contract"}
 
@@ -103,12 +106,14 @@ def gmres(
     while len(moves) < most and abs(rest[-1]) > tolerance:
         k = len(moves)
         move, image = operator(basis[-1])
+        before = norm(image)
         column = [float(_take_out(own, image)) for own in basis]  # modified Gram-Schmidt
         left = norm(image)
+        left = left if left > _ROUND_OFF * before else 0.0  # nothing new
         for j, (c, s) in enumerate(rotations):
             column[j], column[j + 1] = c * column[j] + s * column[j + 1], c * column[j + 1] - s * column[j]
         length = float(np.hypot(column[-1], left))
-        if not np.isfinite(length) or length == 0.0:
+        if not length > _ROUND_OFF * before or not np.isfinite(length):
             break
         c, s = column[-1] / length, left / length
         rotations.append((c, s))

@@ -2,7 +2,8 @@
 
 Unknowns are the displacements and the load multiplier; a constraint is added to equilibrium. Newton's method with the
 consistent tangent goes first; its linear equations are solved only as exactly as the step needs it (Dembo, Eisenstat &
-Steihaug 1982). Where it fails, bursts of iterations with the secant stiffness alternate with further Newton attempts.
+Steihaug 1982). Where it fails, bursts of corrections with a mixture of tangent and secant stiffness alternate with
+further attempts.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.equilibrium.constraint import Constraint
+from fissura.equilibrium.constraint import Constraint, holding
 from fissura.equilibrium.direct import SingularMatrixError
 from fissura.equilibrium.krylov import dot, norm
 from fissura.equilibrium.system import Response, System
@@ -24,9 +25,24 @@ __all__ = ["Equilibrium", "Norms", "StepSolver", "settle"]
 FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
+#: Smallest part of a correction that the line search tries.
 _SMALLEST_CUT = 1.0 / 16.0
-_FIRST_BURST = 4  # secant iterations before Newton is tried again; doubled each time
-_DID_WELL = 0.5  # share of the residual to which Newton must come for its result to be kept
+
+#: Corrections of Newton that hardly reduce the residual before it is left.
+_STALLS = 2
+
+#: What then goes on: a mixture of tangent and secant stiffness, with these shares of the tangent in one burst after
+#: another, the last one repeated. A burst takes twice as many corrections as the one before it. With much of the tangent
+#: most jumps of a crack take few corrections, but some never end; the secant stiffness always comes closer, slowly
+#: (`benchmarks/nonlinear.py`).
+_SHARES_OF_TANGENT = (0.9, 0.7, 0.5, 0.0)
+_FIRST_BURST = 4
+
+#: Share of the residual to which Newton must come for its result to be kept.
+_DID_WELL = 0.5
+
+#: Shares of the energy asked for within which a state that was found while contacts were held is taken.
+_NEAREST, _FARTHEST = 0.1, 10.0
 
 #: Share of the residual that Newton's linear equations may leave: half of what would be in equilibrium, within limits.
 _LEAST_EXACT, _MOST_EXACT = 0.1, 1e-3
@@ -98,8 +114,7 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
     SingularMatrixError
         The structure is a mechanism.
     """
-    system.prepared.prepare(history)
-    unit = system.prepared.unit
+    unit = system.prepared.solve(history)
     reach = dot(system.control, unit)
     if not np.isfinite(reach) or reach == 0.0:
         raise SingularMatrixError("the load does not move the gauge")
@@ -126,6 +141,7 @@ class StepSolver:
     def __init__(self, tolerance: float, max_iterations: int) -> None:
         self.tolerance = tolerance
         self.max_iterations = max_iterations
+        self.linear_iterations = 0
         self._tangent: TangentSolver | None = None
 
     def solve(
@@ -154,7 +170,7 @@ class StepSolver:
             Load below which residuals are no longer measured against the current load [N].
         patience : int
             Factor on the largest number of iterations. Where a crack jumps there is no equilibrium nearby; the
-            secant iteration follows the jump, but slowly.
+            corrections follow the jump, but slowly.
 
         Returns
         -------
@@ -164,10 +180,16 @@ class StepSolver:
         if self._tangent is None or self._tangent.system is not system:
             self._tangent = TangentSolver(system)
         self._system, self._history, self._constraint, self._scale = system, history, constraint, load_scale
-        self._load_size = norm(system.weights * system.load)
+        counted = self._tangent.iterations
+        found = self._solve(guess, patience)
+        self.linear_iterations = self._tangent.iterations - counted
+        return found
+
+    def _solve(self, guess: tuple[FloatArray, float], patience: int) -> Equilibrium | None:
+        self._load_size = norm(self._system.weights * self._system.load)
         self._left = patience * self.max_iterations
         trial = self._try(guess[0].copy(), guess[1])
-        burst = _FIRST_BURST
+        asked, bursts = self._constraint, 0
         while self._left > 0:
             after = self._newton_phase(trial)
             if self._converged(after):
@@ -175,35 +197,47 @@ class StepSolver:
                 break
             # A stalled Newton iteration may have left the path: go on from where it began unless it did well.
             trial = after if after.size < _DID_WELL * trial.size else trial
+            begun = trial
+            share = _SHARES_OF_TANGENT[min(bursts, len(_SHARES_OF_TANGENT) - 1)]
             try:
-                for _ in range(burst):
+                for _ in range(_FIRST_BURST * 2**bursts):
                     if self._left <= 0 or self._converged(trial):
                         break
                     self._left -= 1
-                    trial = self._secant(trial)
+                    trial = self._mixed(trial, share)
             except SingularMatrixError as error:
-                _log.debug("secant: %s", error)
+                _log.debug("mixed stiffness: %s", error)
                 return None
-            burst *= 2
-        if not self._converged(trial):
+            bursts += 1
+            if asked.load_factor != 0.0 and not self._converged(trial):
+                self._constraint = holding(self._system, begun.response, trial.response) or asked
+        if not self._converged(trial) or not self._near(asked, trial):
             return None
         norms = Norms(trial.size / self._reference(trial.load), trial.displacement, trial.energy)
         iterations = patience * self.max_iterations - self._left
-        value = constraint.value if constraint.prescribed else dot(system.control, trial.response.u)
+        constraint = self._constraint
+        value = constraint.value if constraint.prescribed else dot(self._system.control, trial.response.u)
         return Equilibrium(trial.response, trial.load, value, norms, iterations)
+
+    def _near(self, asked: Constraint, trial: _Trial) -> bool:
+        """Whether a state found while contacts were held is about as far as was asked for."""
+        if asked is self._constraint:
+            return True
+        share = 1.0 - asked.gap(trial.response.u, trial.load) / asked.value
+        return _NEAREST <= share <= _FARTHEST
 
     def _newton_phase(self, trial: _Trial) -> _Trial:
         """Newton iterations until they converge or stall."""
         # Against the least residual so far: an iteration that alternates between two states stalls as well.
         stalls, least = 0, trial.size
-        while self._left > 0 and not self._converged(trial) and stalls < 2:
+        while self._left > 0 and not self._converged(trial) and stalls < _STALLS:
             self._left -= 1
             try:
                 following = self._newton(trial)
             except SingularMatrixError as error:
                 _log.debug("Newton: %s", error)
                 return trial
-            stalls = stalls + 1 if following.size > 0.7 * least else 0
+            stalls = stalls + 1 if following.size > max(0.7 * least, 0.1 * trial.size) else 0
             least = min(least, following.size)
             if not np.isfinite(following.size) or (following.size > 10.0 * trial.size and stalls > 1):
                 return trial
@@ -234,15 +268,25 @@ class StepSolver:
         trial.energy = abs(dot(trial.residual, step)) / max(work, 1e-300)
         return trial
 
-    def _newton(self, trial: _Trial) -> _Trial:
+    def _corrected(self, trial: _Trial, stiffness: FloatArray, constraint: Constraint) -> tuple[FloatArray, float]:
+        """Correction of displacements and load that goes by a stiffness of the contacts with damage."""
         assert self._tangent is not None
-        constraint = self._constraint
         gap = constraint.gap(trial.response.u, trial.load)
         wanted = self.tolerance * self._reference(trial.load) / max(trial.size, 1e-300)
-        exactness = min(max(0.5 * wanted, _MOST_EXACT), _LEAST_EXACT)
-        du, more = self._tangent.solve(trial.response, self._history, trial.residual, constraint, gap, exactness)
+        # Where energy leads, the equations are nearly singular wherever damage localizes.
+        least = _LEAST_EXACT if constraint.prescribed else _MOST_EXACT
+        exactness = min(max(0.5 * wanted, _MOST_EXACT), least)
+        du, more = self._tangent.solve(
+            trial.response, stiffness, trial.load, trial.residual, constraint, gap, exactness
+        )
         if not np.isfinite(du).all():
-            raise SingularMatrixError("the tangent stiffness is singular")
+            raise SingularMatrixError("the stiffness is singular")
+        return du, more
+
+    def _newton(self, trial: _Trial) -> _Trial:
+        system, constraint = self._system, self._constraint
+        tangent = system.law.tangent(trial.response.strain[system.active], self._history)
+        du, more = self._corrected(trial, tangent, constraint)
         best: _Trial | None = None
         cut = 1.0
         while cut >= _SMALLEST_CUT:
@@ -255,12 +299,17 @@ class StepSolver:
         assert best is not None
         return self._measured(best, trial)
 
-    def _secant(self, trial: _Trial) -> _Trial:
+    def _mixed(self, trial: _Trial, share: float) -> _Trial:
+        """Correction with a share of the tangent stiffness, the rest of it secant stiffness."""
         system, constraint = self._system, self._constraint
-        system.prepared.prepare(trial.response.history)
-        unit = system.prepared.unit
-        # Unloading with the secant stiffness dissipates nothing: where the load takes part in the constraint, the
-        # displacement is kept instead.
-        wanted = constraint.value if constraint.load_factor == 0.0 else dot(constraint.vector, trial.response.u)
-        load = wanted / dot(constraint.vector, unit)
-        return self._measured(self._try(load * unit, load), trial)
+        stiffness = system.secant_stiffness(trial.response.history)[system.active]
+        if constraint.load_factor != 0.0:
+            # Unloading with the secant stiffness dissipates nothing: the displacement is kept instead, so that damage
+            # runs away slowly where it localizes; any share of the tangent would make that a leap.
+            kept = dot(constraint.vector, trial.response.u)
+            constraint = Constraint(constraint.vector, 0.0, kept, 1.0)
+        elif constraint.prescribed and share > 0.0:
+            tangent = system.law.tangent(trial.response.strain[system.active], self._history)
+            stiffness += share * (tangent - stiffness)
+        du, more = self._corrected(trial, stiffness, constraint)
+        return self._measured(self._try(trial.response.u + du, trial.load + more), trial)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fissura.equilibrium.symmetric import SymmetricSolver
 
 if TYPE_CHECKING:
-    from fissura.equilibrium.system import System
+    from fissura.equilibrium.system import Response, System
 
 __all__ = ["PreparedSecant"]
 
@@ -34,7 +34,9 @@ class PreparedSecant:
     intact : (k,) array
         ``1 - D`` of the contacts with damage in the latest one.
     unit : (6 n,) array
-        Displacements under the unit load with that stiffness.
+        Displacements that the unit load causes with that stiffness, more or less.
+    unit_forces : (6 n,) array
+        Forces that these need exactly.
     """
 
     def __init__(self, system: System, solver: SymmetricSolver) -> None:
@@ -42,22 +44,48 @@ class PreparedSecant:
         self.count = 0
         self.intact: FloatArray = np.empty(0)
         self.unit: FloatArray = np.empty(0)
+        self.unit_forces: FloatArray = np.empty(0)
+        self._exact = False
 
-    def prepare(self, history: FloatArray) -> None:
-        """Prepare for given damage; does nothing when that is the state of the latest preparation.
+    def solve(self, history: FloatArray) -> FloatArray:
+        """Displacements under the unit load with given damage, (6 n,).
 
         Raises
         ------
         SingularMatrixError
             The structure is a mechanism.
         """
+        self._factor(history)
+        if not self._exact:
+            self.unit, self.unit_forces = self._solver.solve(self._system.load), self._system.load
+            self._exact = True
+        return self.unit
+
+    def prepare(self, response: Response, load: float) -> None:
+        """Prepare for the damage of a state near equilibrium with a load.
+
+        Damage is such that secant stiffness times displacements are the internal forces: the displacements under the
+        unit load are known without solving.
+
+        Raises
+        ------
+        SingularMatrixError
+            The structure is a mechanism.
+        """
+        if load == 0.0 or not np.isfinite(load):
+            self.solve(response.history)
+            return
+        self._factor(response.history)
+        self.unit, self.unit_forces, self._exact = response.u / load, response.forces / load, False
+
+    def _factor(self, history: FloatArray) -> None:
+        """Prepare the solver; does nothing when it is prepared for this damage."""
         intact = 1.0 - history[:, 0]
         if self.count > 0 and np.array_equal(intact, self.intact):
             return
         self._solver.factor(self._system.secant(history))
-        self.unit = self._solver.solve(self._system.load)
         self.count += 1
-        self.intact = intact
+        self.intact, self._exact = intact, False
 
     def apply(self, right: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Approximate displacements for given forces, and the forces that these need exactly; (6 n,) -> (6 n,) each."""

@@ -1,17 +1,20 @@
-"""The solver for symmetric positive definite matrices: direct for small structures, iterative for large ones."""
+"""Solvers for symmetric positive definite matrices: by name, and the one that suits the size of a structure."""
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.equilibrium.amg import SmoothedAggregation
 from fissura.equilibrium.assembly import Pattern
-from fissura.equilibrium.direct import DirectSolver, SingularMatrixError
-from fissura.equilibrium.two_level import TwoLevel, held_bodies
+from fissura.equilibrium.direct import best_solver
+from fissura.equilibrium.linear import LinearSolver, SingularMatrixError
+from fissura.equilibrium.two_level import TwoLevel
 
-__all__ = ["SymmetricSolver"]
+__all__ = ["LINEAR_SOLVERS", "SymmetricSolver"]
 
 FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
@@ -19,8 +22,13 @@ _log = logging.getLogger(__name__)
 #: From this number of bodies on the two-level solver is faster (`benchmarks/linear_solvers.py`).
 _LARGE = 2000
 
-#: Supports couple all bodies that they hold; the two-level solver pays for that with the cube of their number.
-_MOST_HELD = 250
+#: Solvers by name, made from a pattern, nuclei (n, 3), and a relative error in the energy norm, which `direct` does not
+#: need. `amg` is there for comparison.
+LINEAR_SOLVERS: dict[str, Callable[[Pattern, FloatArray, float], LinearSolver]] = {
+    "direct": lambda form, x, tolerance: best_solver()(form),
+    "two-level": TwoLevel,
+    "amg": SmoothedAggregation,
+}
 
 
 class SymmetricSolver:
@@ -34,14 +42,13 @@ class SymmetricSolver:
         Pattern of all matrices to come.
     x : (n, 3) array
         Nuclei [m].
-    direct : DirectSolver
+    direct : LinearSolver
         Direct solver for the same pattern.
     """
 
-    def __init__(self, form: Pattern, x: FloatArray, direct: DirectSolver) -> None:
+    def __init__(self, form: Pattern, x: FloatArray, direct: LinearSolver) -> None:
         self._direct = direct
-        large = len(x) >= _LARGE and int(held_bodies(form).sum()) <= _MOST_HELD
-        self._iterative = TwoLevel(form, x) if large else None
+        self._iterative = TwoLevel(form, x) if len(x) >= _LARGE else None
         self._data: FloatArray | None = None  # of the matrix, while the iterative solver is in charge
 
     @property

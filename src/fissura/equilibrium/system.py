@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +18,11 @@ from fissura.contact import (
     kinematics,
     nodal_forces,
 )
-from fissura.equilibrium.assembly import Pattern, assemble, pattern
-from fissura.equilibrium.attach import attach, owners
-from fissura.equilibrium.direct import DirectSolver, best_solver
+from fissura.equilibrium.assembly import Pattern, add_spin, assemble, pattern
+from fissura.equilibrium.attach import attach, attach_rows, owners
+from fissura.equilibrium.direct import best_solver
+from fissura.equilibrium.linear import LinearSolver
+from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.material import Material
@@ -34,6 +37,9 @@ IntArray = NDArray[np.int64]
 #: Supports are this many times stiffer than a typical contact. Their displacement is then 1e-6 of the specimen's,
 #: and round-off still far below the tolerance of equilibrium.
 _SUPPORT_STIFFNESS = 1e5
+
+#: Bodies up to which a support enters the matrix, as a dense block: as many entries as 240 bodies of the inside have.
+_NARROW = 60
 
 #: Share of a glued facet's rotational stiffness that contacts keep.
 _SPIN_STIFFNESS = 1e-6
@@ -112,14 +118,14 @@ class System:
         self._acting = (conditions.load, *conditions.supports)
         self._acting_points = np.concatenate([functional.points for functional in self._acting])
         self._acting_bodies = owners(tessellation, self._acting_points)
-        rows = np.array([attach(support, tessellation).ravel() for support in conditions.supports])
-        self.support_dofs: IntArray = np.flatnonzero(rows.any(axis=0))
-        self.support_rows: FloatArray = rows[:, self.support_dofs]
+        rows = attach_rows(conditions.supports, tessellation, self._acting_bodies[len(conditions.load.points) :])
+        self.support_dofs: IntArray = np.unique(rows.indices).astype(np.int64)
+        self.support_rows: FloatArray = rows[:, self.support_dofs].toarray()
         typical = material.E * float(np.median(contacts.area / contacts.length))
         self.support_stiffness = _SUPPORT_STIFFNESS * typical
-        self.constant: csr_array = self._supports(rows) + self._spin()
-        self.pattern: Pattern = pattern(self.geometry, self.constant)
-        self.solver: DirectSolver = best_solver()(self.pattern)
+        self.constant, wide = self._supports(rows)
+        self.pattern: Pattern = pattern(self.geometry, self.constant, self._spin(), wide)
+        self.solver: LinearSolver = best_solver()(self.pattern)
         self.symmetric = SymmetricSolver(self.pattern, tessellation.x, self.solver)
         self.prepared = PreparedSecant(self, self.symmetric)
         # Moments count as forces at the arm of half a contact.
@@ -140,13 +146,15 @@ class System:
         other.prepared = PreparedSecant(other, self.symmetric)
         return other
 
-    def _supports(self, rows: FloatArray) -> csr_array:
-        """Stiffness of the supports."""
-        sparse = csr_array(rows)
-        return csr_array(self.support_stiffness * (sparse.T @ sparse))
+    def _supports(self, rows: csr_array) -> tuple[csr_array, LowRank]:
+        """Stiffness of the supports: that of narrow ones as a matrix, that of wide ones as its few rows."""
+        held = np.array([len(np.unique(rows.indices[a:b] // 6)) for a, b in pairwise(rows.indptr)])
+        narrow = csr_array(rows[held <= _NARROW])
+        wide = LowRank.of(csr_array(rows[held > _NARROW]), self.support_stiffness)
+        return csr_array(self.support_stiffness * (narrow.T @ narrow)), wide
 
-    def _spin(self) -> csr_array:
-        """A trace of rotational stiffness in every contact.
+    def _spin(self) -> FloatArray:
+        """A trace of rotational stiffness in every contact [N m], shape (m,).
 
         Contacts act at one point of their facets, so a body at a corner that touches only two others may spin freely
         about the line between these points. The stiffness against relative rotation of a facet glued over its whole
@@ -154,12 +162,8 @@ class System:
         are equal.
         """
         contacts = self.tessellation.contacts
-        stiffness = _SPIN_STIFFNESS * self.material.E * contacts.area**2 / (12.0 * contacts.length)
-        i, j = (6 * contacts.bodies.T[:, :, None] + np.arange(3, 6)).reshape(2, -1)
-        k = np.repeat(stiffness, 3)
-        rows, columns = np.concatenate([i, j, i, j]), np.concatenate([i, j, j, i])
-        size = 6 * len(self.tessellation)
-        return csr_array((np.concatenate([k, k, -k, -k]), (rows, columns)), shape=(size, size))
+        stiffness: FloatArray = _SPIN_STIFFNESS * self.material.E * contacts.area**2 / (12.0 * contacts.length)
+        return stiffness
 
     @property
     def factorizations(self) -> int:
@@ -189,23 +193,28 @@ class System:
 
     def internal(self, traction: FloatArray, u: FloatArray) -> FloatArray:
         """Internal forces of given tractions [Pa], with the reactions of supports; shape (6 n,)."""
-        forces: FloatArray = nodal_forces(self.geometry, traction).ravel() + self.constant @ u
-        return forces
+        forces: FloatArray = nodal_forces(self.geometry, traction)
+        add_spin(self.geometry, self.pattern.spin, u.reshape(-1, 6), forces)
+        self.pattern.wide.add_product(u.reshape(-1, 6), forces)
+        flat: FloatArray = forces.ravel() + self.constant @ u
+        return flat
+
+    def secant_stiffness(self, history: FloatArray) -> FloatArray:
+        """Secant stiffness ``(1 - D) diag(E, alpha E, alpha E)`` of every contact [Pa], shape (m, 3, 3)."""
+        stiffness = np.zeros((len(self.geometry), 3, 3))
+        stiffness[:, range(3), range(3)] = self.moduli
+        stiffness[self.active[:, None], range(3), range(3)] *= 1.0 - history[:, :1]
+        return stiffness
 
     def tangent(self, response: Response, history: FloatArray) -> FloatArray:
         """Entries of the consistent tangent stiffness at a response."""
-        stiffness = np.zeros((len(self.geometry), 3, 3))
-        stiffness[:, range(3), range(3)] = self.moduli
+        stiffness = self.secant_stiffness(history)
         stiffness[self.active] = self.law.tangent(response.strain[self.active], history)
         return assemble(self.geometry, self.pattern, stiffness)
 
     def secant(self, history: FloatArray) -> FloatArray:
         """Entries of the secant stiffness for given damage; symmetric and positive definite."""
-        stiffness = np.zeros((len(self.geometry), 3, 3))
-        stiffness[:, range(3), range(3)] = self.moduli
-        intact = 1.0 - history[:, 0]
-        stiffness[self.active[:, None], range(3), range(3)] *= intact[:, None]
-        return assemble(self.geometry, self.pattern, stiffness)
+        return assemble(self.geometry, self.pattern, self.secant_stiffness(history))
 
     def changed(self, tangent: FloatArray, intact: FloatArray) -> tuple[IntArray, FloatArray]:
         """Contacts whose tangent stiffness differs from a secant stiffness.

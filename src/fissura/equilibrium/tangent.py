@@ -47,18 +47,19 @@ class TangentSolver:
         self._fresh: int | None = None
         self._excess = 0
 
-    def _renew(self, history: FloatArray) -> None:
+    def _renew(self, response: Response, load: float) -> None:
         """Prepare the secant stiffness where that has become worth its cost."""
         secant = self.system.prepared
         if secant.count == 0 or (self._preparation == secant.count and self._excess > _PREPARATION):
-            secant.prepare(history)
+            secant.prepare(response, load)
         if self._preparation != secant.count:
             self._preparation, self._fresh, self._excess = secant.count, None, 0
 
     def solve(
         self,
         response: Response,
-        history: FloatArray,
+        stiffness: FloatArray,
+        load: float,
         residual: FloatArray,
         constraint: Constraint,
         gap: float,
@@ -69,9 +70,11 @@ class TangentSolver:
         Parameters
         ----------
         response : Response
-            Where the tangent is taken.
-        history : (k, 3) array
-            Accepted history.
+            State to be corrected.
+        stiffness : (k, 3, 3) array
+            Stiffness ``ds/de`` of the contacts with damage that the correction is to go by [Pa].
+        load : float
+            Load multiplier of the response.
         residual : (6 n,) array
             Forces out of balance.
         constraint : Constraint
@@ -86,20 +89,19 @@ class TangentSolver:
         SingularMatrixError
             The equations cannot be solved.
         """
-        self._renew(response.history)
-        found = self._minimize(response, history, residual, constraint, gap, tolerance)
+        self._renew(response, load)
+        found = self._minimize(stiffness, residual, constraint, gap, tolerance)
         if found is None and self._excess > 0:
             self._excess = _PREPARATION + 1
-            self._renew(response.history)
-            found = self._minimize(response, history, residual, constraint, gap, tolerance)
+            self._renew(response, load)
+            found = self._minimize(stiffness, residual, constraint, gap, tolerance)
         if found is None:
             raise SingularMatrixError("GMRES does not reduce the residual of the tangent equations")
         return found
 
     def _minimize(
         self,
-        response: Response,
-        history: FloatArray,
+        stiffness: FloatArray,
         residual: FloatArray,
         constraint: Constraint,
         gap: float,
@@ -108,9 +110,10 @@ class TangentSolver:
         system = self.system
         secant, geometry = system.prepared, system.geometry
         unit, weights, load = secant.unit, system.weights, system.load
-        chosen, change = system.changed(system.law.tangent(response.strain[system.active], history), secant.intact)
+        chosen, change = system.changed(stiffness, secant.intact)
         a, b = constraint.vector, constraint.load_factor
         reach = dot(a, unit)
+        off = secant.unit_forces - load
         # The constraint's equation counts as the force that the load would need to close its gap.
         scale = norm(weights * load) / abs(reach)
 
@@ -118,13 +121,13 @@ class TangentSolver:
             z, image = secant.apply(v[:-1] / weights)
             more = (v[-1] / scale - dot(a, z)) / reach
             z = z + more * unit
-            image = image.copy()
+            image = image + more * off
             add_stiffness(geometry, chosen, change, z.reshape(-1, 6), image.reshape(-1, 6))
             return np.append(z, more), np.append(weights * image, v[-1] + scale * b * more)
 
         # The gap is closed first, as far as the load takes no part in the constraint exactly.
         more = gap / reach
-        right = residual.copy()
+        right = residual - more * off
         if gap != 0.0:
             add_stiffness(geometry, chosen, -change, (more * unit).reshape(-1, 6), right.reshape(-1, 6))
         found = gmres(operator, np.append(weights * right, -scale * b * more), tolerance, _MOST)

@@ -2,37 +2,40 @@
 
 Incomplete Cholesky smooths what neighbouring bodies do; rigid motions of clusters of bodies, which it leaves slow, are
 solved for exactly in every iteration (deflation in its variant A-DEF2: Tang, Nabben, Vuik & Erlangga 2009). Clusters do
-not reach across broken contacts, so cracks do not slow it down.
+not reach across broken contacts, so cracks do not slow it down. Supports that hold many bodies, a part of low rank, are
+in the matrix and in the coarse space exactly; only the incomplete factor leaves them out.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, triu
-from scipy.sparse.csgraph import reverse_cuthill_mckee
-from scipy.sparse.linalg import splu
 
 from fissura.equilibrium.assembly import Pattern
-from fissura.equilibrium.block_cholesky import IncompleteCholesky, LowerBlocks, block_graph, lower_blocks, multiply
-from fissura.equilibrium.clusters import CoarseSpace, bisected, connected, intact
+from fissura.equilibrium.block_cholesky import IncompleteCholesky
+from fissura.equilibrium.blocks import (
+    LowerBlocks,
+    bandwidth_order,
+    constant_part,
+    held_bodies,
+    lower_blocks,
+    multiply,
+    term_sizes,
+)
+from fissura.equilibrium.clusters import bisected, connected, intact, link_stiffness
+from fissura.equilibrium.coarse import CoarseSpace
+from fissura.equilibrium.coarse_solver import CoarseSolver
 from fissura.equilibrium.direct import SingularMatrixError
+from fissura.equilibrium.low_rank import LowRank
 
-try:  # its wheels exist for x86 only
-    import pymklpardiso
-except ImportError:
-    pymklpardiso = None
-
-__all__ = ["TwoLevel", "held_bodies"]
+__all__ = ["TwoLevel"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 #: Bodies in the largest cluster: with more of them iterations grow, with fewer the coarse matrix.
-_CLUSTER = 30
+_CLUSTER = 50
 
 #: Share of its stiffness that a contact must keep to hold a cluster together.
 _INTACT = 0.05
@@ -66,50 +69,6 @@ def _turn(ratio, z, p):  # type: ignore[no-untyped-def]
     for k in range(len(p)):
         for d in range(6):
             p[k, d] = z[k, d] + ratio * p[k, d]
-
-
-def held_bodies(form: Pattern) -> NDArray[np.bool_]:
-    """Bodies held by supports: those whose translations have a constant stiffness; shape (n,)."""
-    row = np.searchsorted(form.indptr, form.fixed, side="right") - 1
-    strong = (row % 6 < 3) & (form.fixed_values != 0.0)
-    held = np.zeros(len(form.start), dtype=bool)
-    held[row[strong] // 6] = True
-    return held
-
-
-def _ordered(form: Pattern) -> IntArray:
-    """Bodies by reverse Cuthill-McKee, those held by supports last.
-
-    The stiff blocks of supports couple all of their bodies with each other, so at the end they are factorized exactly.
-    """
-    n = len(form.start)
-    row, column, _ = block_graph(form)
-    held = held_bodies(form)
-    free = ~(held[row] & held[column])
-    graph = csr_array((np.ones(int(free.sum()), dtype=np.int8), (row[free], column[free])), shape=(n, n))
-    order = np.asarray(reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.int64)
-    return np.concatenate([order[~held[order]], order[held[order]]])
-
-
-class _CoarseSolver:
-    """Direct solver for the coarse matrix, whose pattern changes with the clusters."""
-
-    def __init__(self, matrix: csr_array) -> None:
-        self._pardiso: Any = None
-        if pymklpardiso is not None:
-            upper = csr_array(triu(matrix, format="csr"))
-            upper.sort_indices()
-            self._pardiso = pymklpardiso.PardisoSolver(upper, pymklpardiso.MTYPE_REAL_SYM_POSDEF, {1: 3})
-        else:
-            self._lu = splu(
-                matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-            )
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Solve for a vector per cluster; (clusters, 6) -> (clusters, 6)."""
-        flat = right.ravel()
-        found = self._lu.solve(flat) if self._pardiso is None else self._pardiso.solve(flat)
-        return np.asarray(found, dtype=np.float64).reshape(-1, 6)
 
 
 class TwoLevel:
@@ -162,32 +121,42 @@ class TwoLevel:
         self.iterations = 0
         self.clusters = 0
         self.shift = 0.0
-        self._lower: LowerBlocks = lower_blocks(form, _ordered(form))
+        held = held_bodies(form)
+        # Narrow supports couple all bodies that they hold: at the end these are factorized exactly.
+        self._lower: LowerBlocks = lower_blocks(form, bandwidth_order(form, held_bodies(form, wide=False)))
+        order = self._lower.order
         self._smoother = IncompleteCholesky(self._lower)
-        self._x: FloatArray = np.ascontiguousarray(x[self._lower.order])
-        self._group: IntArray = np.empty(len(x), dtype=np.int64)
-        for number, bodies in enumerate(bisected(self._x, _CLUSTER)):
-            self._group[bodies] = number
+        self._x: FloatArray = np.ascontiguousarray(x[order])
+        self._group: IntArray = bisected(self._x, _CLUSTER)
         # A cluster of which only some bodies are held could not move, and would leave the others to the smoother.
-        self._group[held_bodies(form)[self._lower.order]] += len(x)
-        constant = np.zeros(len(form.indices))
-        constant[form.fixed] = form.fixed_values
-        rows = self._lower.rows
-        self._links: IntArray = np.flatnonzero(rows != self._lower.indices)
-        self._ends: tuple[IntArray, IntArray] = (rows[self._links], self._lower.indices[self._links])
-        fixed = self._lower.gather(constant)
-        self._constant: FloatArray = fixed[self._links, :3, :3]
-        self._diagonal: IntArray = self._lower.indptr[1:] - 1
-        self._constant_diagonal: FloatArray = fixed[self._diagonal]
-        self._reference = None if reference is None else self._stiffness(self._lower.gather(reference))
+        self._group[held[order]] += len(x)
+        place = np.empty(len(x), dtype=np.int64)
+        place[order] = np.arange(len(x))
+        self._wide = LowRank(place[form.wide.bodies], form.wide.rows, form.wide.stiffness)
+        narrow = held_bodies(form, wide=False)[order]
+        firm, diagonal = np.flatnonzero(narrow), self._lower.indptr[1:] - 1
+        self._left_out: tuple[IntArray, FloatArray] = (
+            firm,
+            constant_part(form, self._lower.entries(diagonal[firm], 6)),
+        )
+        below = np.flatnonzero(self._lower.rows != self._lower.indices)
+        self._ends = (self._lower.rows[below].astype(np.int32), self._lower.indices[below])
+        # The stiffness of a support between bodies that it holds says nothing about their contact.
+        self._held_links: IntArray = np.flatnonzero(narrow[self._ends[0]] & narrow[self._ends[1]])
+        self._held_entries: IntArray = self._lower.entries(below[self._held_links], 3)
+        self._held_constant: FloatArray = constant_part(form, self._held_entries)
+        self._reference = None if reference is None else self._stiffness(reference)
         self._blocks: FloatArray | None = None
+        self._storage: FloatArray | None = None
         self._coarse: CoarseSpace
-        self._solver: _CoarseSolver
+        self._solver = CoarseSolver()
 
-    def _stiffness(self, blocks: FloatArray) -> FloatArray:
+    def _stiffness(self, data: FloatArray) -> FloatArray:
         """Size of the contacts' stiffness against translation, without supports [N/m]."""
-        own = blocks[self._links, :3, :3] - self._constant
-        return np.asarray(np.sqrt(np.einsum("kad,kad->k", own, own)), dtype=np.float64)
+        out = link_stiffness(self._lower, data)
+        own = data[self._held_entries] - self._held_constant
+        out[self._held_links] = np.sqrt(np.einsum("kad,kad->k", own, own))
+        return out
 
     @property
     def cluster_of(self) -> IntArray:
@@ -212,15 +181,15 @@ class TwoLevel:
             raise SingularMatrixError("the stiffness matrix holds values that are not finite")
         self.factorizations += 1
         self._blocks = None
-        blocks = self._lower.gather(data)
         row, column = self._ends
-        keep = intact(row, column, self._stiffness(blocks), self._reference, _INTACT)
+        keep = intact(row, column, self._stiffness(data), self._reference, _INTACT)
         label = connected(self._group, row[keep], column[keep])
-        self._coarse = CoarseSpace(self._lower, blocks, self._x, label)
+        self._storage = blocks = self._lower.gather(data, self._storage)
+        self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._wide)
         self.clusters = self._coarse.clusters
         try:
-            self._smoother.factor(blocks, blocks[self._diagonal] - self._constant_diagonal)
-            self._solver = _CoarseSolver(self._coarse.matrix())
+            self._smoother.factor(blocks, self._left_out)
+            self._solver.factor(self._coarse.upper())
         except (RuntimeError, ValueError) as error:
             raise SingularMatrixError(str(error)) from error
         self.shift = self._smoother.share
@@ -261,7 +230,9 @@ class TwoLevel:
 
     def _product(self, u: FloatArray) -> FloatArray:
         assert self._blocks is not None
-        return multiply(self._lower, self._blocks, u)
+        out = multiply(self._lower, self._blocks, u)
+        self._wide.add_product(u, out)
+        return out
 
     def _preconditioned(self, r: FloatArray) -> FloatArray:
         """Smoothed residual with its coarse error removed; symmetric where ``P^T r = 0``."""
@@ -273,7 +244,8 @@ class TwoLevel:
     def _as_good_as_direct(self, r: FloatArray, u: FloatArray, b: FloatArray) -> bool:
         """Whether u solves equations that differ by round-off only."""
         assert self._blocks is not None
-        size = multiply(self._lower, np.abs(self._blocks), np.abs(u)) + np.abs(b)
+        size = term_sizes(self._lower, self._blocks, u) + np.abs(b)
+        self._wide.add_sizes(u, size)
         return bool(np.all(np.abs(r) <= _ROUND_OFF * size))
 
     def _solved(self, b: FloatArray) -> FloatArray:

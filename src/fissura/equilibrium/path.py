@@ -1,0 +1,206 @@
+"""What leads along the path of a specimen: a gauge, or the energy that is dissipated.
+
+A gauge leads as long as it grows. Where it would have to turn back (snap-back) there is no equilibrium at its next
+value; the energy dissipated always grows, and takes over until the gauge grows steadily again (Gutierrez 2004;
+Verhoosel, Remmers & Gutierrez 2009).
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
+from fissura.equilibrium.steps import StepLength
+
+if TYPE_CHECKING:
+    from fissura.case.model import Control
+    from fissura.equilibrium.newton import Equilibrium
+    from fissura.equilibrium.system import System
+
+__all__ = ["Goal", "PathFollower"]
+
+_log = logging.getLogger(__name__)
+
+#: Energy takes over at once when a step under the gauge fails; while hardly anything is damaged, for which energy is a
+#: bad guide, the step is halved so many times before.
+_ELASTIC_CUTS = 3
+
+#: Where nothing can lead and one cut did not help, corrections follow the jump of a crack to the next equilibrium: they
+#: may be this many times as many, in so many attempts, since that is slow.
+_CUTS, _PATIENCE, _PATIENT_ATTEMPTS = 1, 15, 3
+
+#: A step under the gauge that loses more than this share of the peak load is a jump, though it converged.
+_JUMP = 0.2
+
+#: The energy of a step may be halved so many times.
+_HALVINGS = 10
+
+#: The first step in energy is at least the longest one halved so many times.
+_FIRST_HALVINGS = 6
+
+#: Steps in a row in which the gauge must grow before it leads again; twice as many each time that it fails within so
+#: many steps.
+_GROWING, _MOST_GROWING, _SOON = 3, 48, 10
+
+#: Share of the longest energy step that a step must dissipate for the energy to lead from the start of damage on.
+_DAMAGE_BEGINS = 0.25
+
+#: With energy in the lead a run ends at the latest when this share of the peak load is left.
+_BROKEN = 0.01
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Where a step is to end.
+
+    Attributes
+    ----------
+    control : str
+        What leads: "gauge", "displacement" or "dissipation".
+    size : float
+        Value of the controlled quantity at the end [m], or energy to dissipate [J].
+    patience : int
+        Factor on the number of iterations.
+    """
+
+    control: str
+    size: float
+    patience: int = 1
+
+    @property
+    def in_energy(self) -> bool:
+        """Whether energy leads."""
+        return self.control == "dissipation"
+
+    def constraint(self, system: System, now: Equilibrium) -> Constraint:
+        """The equation for a step that begins at an equilibrium."""
+        if self.in_energy:
+            return dissipating(system.load, now.response.u, now.load, self.size)
+        return prescribed(system.control, self.size)
+
+
+class PathFollower:
+    """Chooses goals, learning from how earlier ones were met.
+
+    Parameters
+    ----------
+    control : Control
+        Table of the case.
+    energy : float
+        What it takes to break the specimen, roughly [J]: it decides the longest step in energy.
+    quantity : str
+        Name of the controlled quantity, "gauge" or "displacement".
+    """
+
+    def __init__(self, control: Control, energy: float, quantity: str) -> None:
+        self._target, self._quantity = control.target, quantity
+        self._always = control.type == "dissipation"
+        self._may_switch = self._always or control.switch
+        self._stop_load = control.stop_load
+        self._gauge = StepLength.starting(control.first_step, control.max_step, control.min_step)
+        longest = energy * control.max_step / control.target
+        self._energy = StepLength(longest, longest / 2.0**_HALVINGS, 0)
+        self._leads = False  # whether energy does
+        self._jumping = False  # whether a jump is to be followed under the gauge
+        self._failures = 0
+        self._growing, self._needed = 0, _GROWING
+        self._since = _SOON  # steps since the gauge came back
+        self._dissipated = 0.0  # in the last accepted step
+
+    @property
+    def length(self) -> float:
+        """Length of the next step under the gauge [m]."""
+        return self._gauge.length
+
+    def ended(self, value: float, load: float, peak: float) -> bool:
+        """Whether the run is over, with this value of the controlled quantity, and these loads [N]."""
+        least = max(self._stop_load, _BROKEN if self._leads else 0.0)
+        return value >= self._target * (1.0 - 1e-9) or abs(load) < least * peak
+
+    def goal(self, value: float) -> Goal:
+        """Goal of the next step, from a value of the controlled quantity."""
+        if self._leads:
+            return Goal("dissipation", self._energy.length)
+        patient = self._failures >= _CUTS and (self._jumping or not self._may_switch)
+        patient = patient and self._failures < _CUTS + _PATIENT_ATTEMPTS
+        return Goal(self._quantity, self._gauge.next_value(value, self._target), _PATIENCE if patient else 1)
+
+    def is_jump(self, goal: Goal, lost: float, peak: float) -> bool:
+        """Whether a converged step that lost so much load [N] left out a part of the path that energy can follow."""
+        return self._may_switch and not goal.in_energy and not self._jumping and lost > _JUMP * peak
+
+    def succeeded(self, goal: Goal, iterations: int, growth: float, dissipated: float, value: float) -> None:
+        """Take note of an accepted step.
+
+        Parameters
+        ----------
+        goal : Goal
+            Its goal.
+        iterations : int
+            Iterations it took.
+        growth : float
+            How much the controlled quantity grew [m].
+        dissipated : float
+            Energy dissipated [J].
+        value : float
+            Value of the controlled quantity [m].
+        """
+        self._failures, self._jumping, self._dissipated = 0, False, dissipated
+        if goal.in_energy:
+            self._energy = self._energy.after(iterations, 0.0)
+            self._growing = self._growing + 1 if growth >= self._gauge.length / self._needed else 0
+            steady = self._growing >= self._needed or (growth > self._gauge.longest and self._needed == _GROWING)
+            if steady and not self._always:
+                self._leads, self._since = False, 0
+                _log.info("the %s leads again at %.4g m", self._quantity, value)
+            return
+        self._since += 1
+        self._gauge = self._gauge.after(iterations, value)
+        if self._always and dissipated >= _DAMAGE_BEGINS * self._energy.longest:
+            self._take_over()
+
+    def failed(self) -> bool:
+        """Take note of a step that was not accepted; False when nothing is left to try."""
+        self._failures += 1
+        if self._leads:
+            shorter = self._energy.halved()
+            if shorter is not None:
+                self._energy = shorter
+            else:
+                self._leads, self._jumping, self._failures = False, True, _CUTS
+            return True
+        shorter = self._gauge.halved()
+        if self._may_switch and not self._jumping:
+            if self._damaging or self._failures > _ELASTIC_CUTS or shorter is None:
+                self._take_over()
+            else:
+                self._gauge = shorter
+            return True
+        if shorter is None:
+            if self._failures > _CUTS:
+                return False
+            self._failures = _CUTS
+            return True
+        self._gauge = shorter
+        return True
+
+    @property
+    def _first(self) -> float:
+        """Least energy of the first step in which energy leads [J]."""
+        return self._energy.longest / 2.0**_FIRST_HALVINGS
+
+    @property
+    def _damaging(self) -> bool:
+        """Whether the last step did some damage."""
+        return self._dissipated > self._first
+
+    def _take_over(self) -> None:
+        """Let energy lead, with steps that dissipate as much as the last one did."""
+        longest = self._energy.longest
+        first = min(max(self._dissipated, self._first), longest)
+        self._energy = StepLength.starting(first, longest, self._energy.smallest)
+        self._needed = min(2 * self._needed, _MOST_GROWING) if self._since < _SOON else _GROWING
+        self._leads, self._failures, self._growing = True, 0, 0
+        _log.info("dissipated energy leads, with %.3g J a step", self._energy.length)

@@ -1,0 +1,135 @@
+"""Supports that hold many bodies: kept as rows, they give what they give as entries of the matrix."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_array
+
+from equilibrium.models import beam, beam_system
+from fissura.equilibrium import SOLVERS, settle
+from fissura.equilibrium import system as module
+from fissura.equilibrium.blocks import held_bodies
+from fissura.equilibrium.low_rank import LowRank
+from fissura.equilibrium.two_level import TwoLevel
+
+BAR = {
+    "specimen": {"size": [0.1, 0.05, 0.04]},
+    "notch": None,
+    "supports": [{"type": "clamp", "face": "left"}],
+    "load": {"face": "right", "direction": [1.0, 0.2, 0.0]},
+    "gauge": {"a": {"face": "bottom", "at": 0.03}, "b": {"face": "bottom", "at": 0.07}},
+    "discretization": {"l_f": 0.01, "l_c": 0.02},
+}
+BOTH = {"supports": [{"type": "clamp", "face": "left"}, {"type": "roller", "face": "right"}]}
+
+
+def systems(changes, monkeypatch):
+    """The same structure with its supports as entries, and as rows."""
+    case = beam(**{**BAR, **changes})
+    monkeypatch.setattr(module, "_NARROW", 10**9)
+    narrow = beam_system(case)
+    monkeypatch.setattr(module, "_NARROW", 0)
+    return narrow, beam_system(case)
+
+
+@pytest.fixture(params=[{}, BOTH], ids=["clamp", "clamp and roller"])
+def pair(request, monkeypatch):
+    return systems(request.param, monkeypatch)
+
+
+def secant(system, seed=0):
+    """With random damage."""
+    history = system.virgin().copy()
+    history[:, 0] = np.random.default_rng(seed).uniform(size=len(history)) ** 4
+    return system.secant(history)
+
+
+def tangent(system):
+    u = np.random.default_rng(0).normal(size=system.size) * np.tile(
+        np.repeat([1e-6, 1e-4], 3), len(system.tessellation)
+    )
+    return system.tangent(system.response(u, system.virgin()), system.virgin())
+
+
+def near(found, expected, tolerance=1e-9):
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=tolerance * np.abs(expected).max())
+
+
+def test_rows_are_no_entries(pair):
+    narrow, wide = pair
+    assert len(narrow.pattern.wide) == 0
+    assert len(wide.pattern.wide) == len(wide.conditions.supports)
+    assert len(wide.pattern.fixed) == 0
+    assert len(wide.pattern.indices) < len(narrow.pattern.indices)
+    np.testing.assert_array_equal(held_bodies(wide.pattern), held_bodies(narrow.pattern))
+    assert not held_bodies(wide.pattern, wide=False).any()
+
+
+def test_same_matrix_and_forces(pair):
+    narrow, wide = pair
+    u = np.random.default_rng(1).normal(size=wide.size)
+    expected = narrow.pattern.matrix(secant(narrow)) @ u
+    near(narrow.pattern.product(secant(narrow), u), expected, 1e-14)
+    near(wide.pattern.product(secant(wide), u), expected, 1e-12)
+    u *= 1e-7
+    near(wide.response(u, wide.virgin()).forces, narrow.response(u, narrow.virgin()).forces, 1e-12)
+
+
+@pytest.mark.parametrize("name", sorted(SOLVERS))
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_direct_solvers(pair, name, symmetric):
+    narrow, wide = pair
+    matrix = secant if symmetric else tangent
+    right = np.stack([wide.load, wide.control], axis=1)
+    direct, solver = SOLVERS[name](narrow.pattern), SOLVERS[name](wide.pattern)
+    direct.factor(matrix(narrow), symmetric=symmetric)
+    solver.factor(matrix(wide), symmetric=symmetric)
+    expected = direct.solve(right)
+    near(solver.solve(right), expected)
+    near(solver.solve(right[:, 0]), expected[:, 0])
+    near(solver.apply(right[:, 1]), expected[:, 1])
+
+
+def test_two_level(pair):
+    narrow, wide = pair
+    direct = SOLVERS["superlu"](narrow.pattern)
+    direct.factor(secant(narrow), symmetric=True)
+    solver = TwoLevel(wide.pattern, wide.tessellation.x, 1e-11)
+    solver.factor(secant(wide), symmetric=True)
+    expected = direct.solve(wide.load)
+    near(solver.solve(wide.load), expected)
+    near(solver.product(expected), narrow.pattern.matrix(secant(narrow)) @ expected, 1e-6)
+    solver.tolerance = 1e-6
+    solver.solve(wide.load)
+    assert solver.iterations <= 30
+
+
+def test_equilibrium_is_the_same(pair):
+    narrow, wide = pair
+    expected = settle(narrow, narrow.virgin(), 1e-6)
+    found = settle(wide, wide.virgin(), 1e-6)
+    assert found.load == pytest.approx(expected.load, rel=1e-8)
+    near(found.response.u, expected.response.u, 1e-7)
+
+
+def test_rows_of_several_supports():
+    rng = np.random.default_rng(0)
+    dense = np.zeros((2, 30))
+    dense[0, 6:12], dense[1, 18:24] = rng.normal(size=6), rng.normal(size=6)
+    part = LowRank.of(csr_array(dense), 3.0)
+    assert list(part.bodies) == [1, 3]
+    u = rng.normal(size=(5, 6))
+    out = np.ones((5, 6))
+    part.add_product(u, out)
+    np.testing.assert_allclose(out.ravel(), 1.0 + 3.0 * dense.T @ (dense @ u.ravel()), rtol=1e-13)
+    np.testing.assert_allclose(part.values(u), dense @ u.ravel(), rtol=1e-13)
+    sizes = np.zeros((5, 6))
+    part.add_sizes(u, sizes)
+    np.testing.assert_allclose(sizes.ravel(), 3.0 * abs(dense).T @ (abs(dense) @ abs(u).ravel()), rtol=1e-13)
+
+
+def test_nothing_at_all():
+    none, out = LowRank.none(), np.ones((4, 6))
+    none.add_product(out, out)
+    none.add_sizes(out, out)
+    assert len(none) == 0
+    assert np.all(out == 1.0)
