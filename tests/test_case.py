@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from changes import ABSENT, replaced
 from fissura.case import BallRegion, BoxRegion, Case, case_from_dict, load_case
-from fissura.case.units import ENERGY_PER_AREA, LENGTH, STRESS, to_si
+from fissura.case.units import COMMON, ENERGY_PER_AREA, LENGTH, STRESS, _parsed_scale, to_si
 from fissura.errors import InputError
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
@@ -78,6 +78,7 @@ def test_defaults() -> None:
     assert (c.type, c.target) == ("gauge", 1e-4)
     assert (c.first_step, c.max_step, c.min_step) == pytest.approx((5e-7, 2e-6, 1e-9))
     assert (c.tolerance, c.max_iterations) == (1e-4, 30)
+    assert (c.switch, c.stop_load) == (True, 0.0)
     assert (case.output.vtk, case.output.measured) == (5, None)
     assert case.load.direction is None
     assert case.gauge is not None
@@ -124,6 +125,13 @@ def test_regions() -> None:
         BallRegion(type="ball", center=(0.01, 0.0, 0.0), radius=0.02),
         BoxRegion(type="box", lower=(0.0, 0.0, 0.0), upper=(1.0, 1.0, 1.0)),
     )
+
+
+def test_dissipation_ends_with_the_load_and_records_the_gauge_if_there_is_one() -> None:
+    case = case_from_dict(changed(control__type="dissipation"))
+    assert (case.control.stop_load, case.quantity) == (0.05, "gauge")
+    case = case_from_dict(changed(control__type="dissipation", gauge=ABSENT, control__stop_load=0))
+    assert (case.control.stop_load, case.quantity) == (0.0, "displacement")
 
 
 def test_displacement_control_needs_no_gauge() -> None:
@@ -178,6 +186,11 @@ def test_quantities(text: Any, dimension: Any, value: float) -> None:
 @settings(deadline=None)
 def test_length_round_trip(number: float, unit: tuple[str, float], space: str) -> None:
     assert to_si(f"{number!r}{space}{unit[0]}", LENGTH) == pytest.approx(number * unit[1], rel=1e-14)
+
+
+@pytest.mark.parametrize(("unit", "due"), [(unit, due) for due, known in COMMON.items() for unit in known])
+def test_common_units_are_those_of_pint(unit: str, due: str) -> None:
+    assert COMMON[due][unit] == _parsed_scale(unit, due)
 
 
 @given(st.integers(1, 999), st.sampled_from(["kPa", "MPa", "GPa"]))
@@ -264,8 +277,11 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     ("material", {"material": 3}, "a table"),
     ("notch", {"notch": 3}, "a list"),
     ("supports[0]", {"supports": [3]}, ""),
-    ("control.type", {"control__type": "force"}, '"gauge" or "displacement"'),
-    ("control.type", {"control__type": ["gauge"]}, '"gauge" or "displacement"'),
+    ("control.type", {"control__type": "force"}, '"gauge", "displacement" or "dissipation"'),
+    ("control.type", {"control__type": ["gauge"]}, '"gauge", "displacement" or "dissipation"'),
+    ("control.switch", {"control__switch": "no"}, "true or false"),
+    ("control.stop_load", {"control__stop_load": 1.5}, "0 to 1"),
+    ("control.stop_load", {"control__stop_load": -0.1}, "0 to 1"),
     ("supports[0].type", {"supports__0__type": "hinge"}, '"pin", "roller" or "clamp"'),
     ("notch.normal", {"notch__normal": "w"}, '"x", "y" or "z"'),
     ("adaptivity.regions[0].type", {"adaptivity__regions": [{"type": "cone"}]}, '"ball" or "box"'),
@@ -386,7 +402,14 @@ def test_examples_and_templates_are_valid(path: Path) -> None:
 
 
 def test_examples_are_there() -> None:
-    assert {path.stem for path in EXAMPLES} >= {"gregoire_d50_halfnotch", "beam_d100", "beam_d200"}
+    assert {path.stem for path in EXAMPLES} >= {
+        "gregoire_d50_halfnotch",
+        "beam_d100",
+        "beam_d200",
+        "beam_d400",
+        "beam_350",
+        "tension_bar",
+    }
     assert load_case(next(p for p in EXAMPLES if "gregoire" in p.stem)).output.measured is not None
 
 

@@ -48,7 +48,9 @@ def test_runs_to_the_target_in_small_steps(kind, full):
     gauge = np.array([0.0, *(s.gauge for s in steps)])
     assert gauge[-1] == target
     assert (np.diff(gauge) > 0).all()
-    assert np.diff(gauge).max() <= target / 50 * (1 + 1e-9)
+    led = np.array([s.control == "gauge" for s in steps])
+    assert np.diff(gauge)[led].max() <= target / 50 * (1 + 1e-9)
+    assert led.mean() > 0.8
     assert [s.number for s in steps] == list(range(1, len(steps) + 1))
     load = np.array([s.load for s in steps])
     assert 0 < load.argmax() < len(load) - 5
@@ -383,6 +385,97 @@ def test_tension_bar_under_displacement_control():
     assert abs(rest) < 0.01 * steps[-1].work
 
 
+# --- dissipated energy leads -----------------------------------------------------------------------------------------
+
+
+def unnotched(kind, **changes):
+    """A beam in three-point bending or a prism in tension, of 280 to 380 fine bodies, without a notch."""
+    beams = {
+        "specimen": {"size": [0.16, 0.04, 0.03]},
+        "notch": None,
+        "gauge": None,
+        "supports": [
+            {"type": "pin", "face": "bottom", "at": 0.02},
+            {"type": "roller", "face": "bottom", "at": 0.14},
+        ],
+        "load": {"face": "top", "at": 0.08},
+        "discretization": {"l_f": 0.008, "l_c": 0.016},
+        "adaptivity": {"r_f": 0.016},
+        "control": {"type": "dissipation", "target": 2e-4, "stop_load": 0.1},
+    }
+    if kind == "beam":
+        return case_from_dict(changed(changed(BEAM, beams), changes), Path())
+    return tension(
+        **changed(
+            {
+                "specimen": {"size": [0.12, 0.04, 0.03]},
+                "discretization": {"l_f": 0.008, "l_c": 0.016},
+                "adaptivity": {"r_f": 0.016},
+                "control": beams["control"],
+            },
+            changes,
+        )
+    )
+
+
+def check_broken(simulation, steps, balance):
+    """To a tenth of the peak, every step in equilibrium, energy accounted for."""
+    control = simulation.case.control
+    load = np.array([s.load for s in steps])
+    assert abs(load[-1]) < control.stop_load * load.max() or steps[-1].gauge >= control.target
+    assert (load[:-1] >= control.stop_load * load.max())[load.argmax() :].all()
+    assert max(s.residual for s in steps) <= control.tolerance
+    assert max(s.max_elastic_utilisation for s in steps) <= simulation.case.adaptivity.gamma
+    assert (np.diff([0.0, *(s.dissipated for s in steps)]) > -1e-6 * steps[-1].work).all()
+    rest = np.array([s.work - s.stored - s.dissipated for s in steps])
+    assert np.abs(rest[-1]) < balance * steps[-1].work
+
+
+@pytest.mark.parametrize("kind", ["beam", "tension"])
+@pytest.mark.parametrize("full", [True, False])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_unnotched_specimens_to_a_tenth_of_their_peak(kind, full, seed):
+    """Dissipation control; measured: 15 to 110 steps, 1.6 to 7 iterations a step, balance within 5e-4."""
+    simulation = Simulation(unnotched(kind, seed=seed), full=full)
+    steps = list(simulation.steps())
+    check_broken(simulation, steps, 1e-3 if full else 0.05)
+    assert [s.control for s in steps] == sorted(s.control for s in steps)
+    assert steps[-1].control == "dissipation"
+    assert sum(s.iterations for s in steps) < 12 * len(steps)
+    longest = simulation.case.material.G_t * 0.04 * 0.03 / 50
+    spent = np.diff([0.0, *(s.dissipated for s in steps)])
+    assert spent.max() < 5 * longest
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["beam", "tension"])
+@pytest.mark.parametrize("toughness", [10.0, 35.0])
+@pytest.mark.parametrize("seed", range(4, 14))
+def test_unnotched_specimens_of_many_seeds(kind, toughness, seed):
+    """Where a body is torn out of the loaded face, what holds loose bodies takes up to 0.7 % of the work."""
+    simulation = Simulation(unnotched(kind, seed=seed, material={"G_t": toughness}), full=True)
+    steps = list(simulation.steps())
+    check_broken(simulation, steps, 0.01)
+
+
+@pytest.mark.parametrize(("kind", "seed", "turns_back"), [("beam", 2, False), ("tension", 3, True)])
+def test_energy_takes_over_where_the_displacement_jumps_and_gives_back(kind, seed, turns_back):
+    """No notch, brittle, displacement control: the displacement of the bar turns back, and grows again later on."""
+    control = {"type": "displacement", "target": 1e-4, "stop_load": 0.05}
+    case = unnotched(kind, seed=seed, material={"G_t": 5.0}, control=control)
+    simulation = Simulation(case, full=True)
+    steps = list(simulation.steps())
+    check_broken(simulation, steps, 1e-3)
+    controls = [s.control for s in steps]
+    assert controls[0] == controls[-1] == "displacement"
+    assert controls.count("dissipation") > 20
+    peak = max(steps, key=lambda s: s.load)
+    if turns_back:
+        assert min(s.gauge for s in steps[peak.number :]) < 0.9 * peak.gauge
+    loads = np.array([s.load for s in steps])
+    assert (loads[:-1] - loads[1:]).max() < 0.2 * loads.max()
+
+
 # --- specimens turned and renumbered -----------------------------------------------------------------------------
 
 
@@ -482,18 +575,21 @@ def test_nuclei_from_a_file_give_the_same_specimen(tmp_path):
 # --- what can go wrong -------------------------------------------------------------------------------------------
 
 
-def test_steps_before_a_stop_are_valid(monkeypatch):
+@pytest.mark.parametrize("switch", [False, True])
+def test_steps_before_a_stop_are_valid(switch, monkeypatch):
     """Beyond some opening no equilibrium is found any more: the run ends with what it has, after trying small steps."""
     last, tried = 1.1e-5, []
     _, full = done("coarse", True)
     solve = fissura.simulation.StepSolver.solve
 
     def failing(self, system, history, constraint, *rest, **more):
-        tried.append(constraint.value)
-        return None if constraint.value > last else solve(self, system, history, constraint, *rest, **more)
+        if constraint.prescribed:
+            tried.append(constraint.value)
+        beyond = not constraint.prescribed or constraint.value > last
+        return None if beyond else solve(self, system, history, constraint, *rest, **more)
 
     monkeypatch.setattr(fissura.simulation.StepSolver, "solve", failing)
-    case = beam(control={"min_step": 1e-7})
+    case = beam(control={"min_step": 1e-7, "switch": switch})
     kept = []
     with pytest.raises(RunStopped, match="min_step") as caught:  # noqa: PT012
         for accepted in Simulation(case, full=True).steps():

@@ -24,7 +24,7 @@ from fissura.adaptivity import (
     transfer_history,
 )
 from fissura.contact import law_from_case
-from fissura.equilibrium import Equilibrium, SingularMatrixError, StepLength, StepSolver, System, prescribed, settle
+from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, settle
 from fissura.errors import InputError, RunStopped
 from fissura.material import material_from_case
 from fissura.specimen import conditions_from_case, specimen_from_case
@@ -42,12 +42,13 @@ _log = logging.getLogger(__name__)
 #: Refinements of one step before the run is given up; each must add bodies, so this only stops a runaway.
 _MOST_REFINEMENTS = 60
 
-#: Failures in a row after which a step is not only shortened but also given more iterations (a few times only, since
-#: that is slow), and how many times more.
-_CUTS, _PATIENCE = 1, 15
-
 #: Share of gamma from which bodies are refined along with critical ones.
 _AHEAD = 0.85
+
+
+#: Extrapolation in steps, at most; where energy leads and there is nothing to extrapolate from, the factor on a state
+#: for contacts to go on being damaged, and the largest one that a guess may put on the load.
+_FARTHEST, _PAST, _PAST_AIM = 4.0, 1.001, 1.2
 
 
 @dataclass
@@ -61,6 +62,9 @@ class _Path:
     displacement: float = 0.0  # of the load
     load: float = 0.0
     dissipated: float = 0.0
+    spent: float = 0.0  # energy dissipated in the last step
+    in_energy: bool = False  # whether it led there
+    aim: FloatArray | None = None  # history that the step being repeated had found before refinement
     work: float = 0.0
     peak: float = 0.0
     # Since the last accepted step, attempts that failed included:
@@ -118,8 +122,8 @@ class Simulation:
         """Factor that calibration put on the stiffness of elastic contacts; 1 without calibration."""
         return self._system.elastic_scale
 
-    def _discretize(self, region: RefinedRegion) -> Tessellation:
-        return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x))
+    def _discretize(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
+        return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x), previous)
 
     def _equations(self, tessellation: Tessellation) -> System:
         return System(tessellation, self._material, self._law, self._conditions)
@@ -160,51 +164,50 @@ class Simulation:
         control = self.case.control
         solver = StepSolver(control.tolerance, control.max_iterations)
         path = self._start()
-        length = StepLength.starting(control.first_step, control.max_step, control.min_step)
-        failures = 0
-        while path.now.value < control.target * (1.0 - 1e-9):
-            value = length.next_value(path.now.value, control.target)
-            patient = _CUTS <= failures < 2 * _CUTS + 2
-            attempt = self._attempt(path, solver, value, _PATIENCE if patient else 1)
-            if attempt is None:
-                failures += 1
-                shorter = length.halved()
-                if shorter is None and failures <= _CUTS:
-                    failures = _CUTS
-                    continue
-                if shorter is None:
-                    raise RunStopped(
-                        f"no equilibrium within {control.max_iterations} iterations, even with a step of"
-                        f" {length.length:.3g} m (control.min_step is {control.min_step:.3g} m)",
-                        path.number + 1,
-                        value,
-                    )
-                length = shorter
-                continue
-            step, last = attempt
-            failures = 0
-            length = length.after(last, value)
-            yield step
+        follower = PathFollower(control, self.case.material.G_t * self._box.smallest_section, self.case.quantity)
+        while not follower.ended(path.now.value, path.load, path.peak):
+            goal = follower.goal(path.now.value)
+            value, dissipated = path.now.value, path.dissipated
+            attempt = self._attempt(path, solver, follower, goal)
+            if attempt is not None:
+                step, last = attempt
+                follower.succeeded(goal, last, step.gauge - value, path.dissipated - dissipated, step.gauge)
+                yield step
+            elif not follower.failed():
+                raise RunStopped(
+                    f"no equilibrium within {control.max_iterations} iterations, even with a step of"
+                    f" {follower.length:.3g} m (control.min_step is {control.min_step:.3g} m)",
+                    path.number + 1,
+                    goal.size,
+                )
 
-    def _attempt(self, path: _Path, solver: StepSolver, value: float, patience: int) -> tuple[Step, int] | None:
+    def _attempt(self, path: _Path, solver: StepSolver, follower: PathFollower, goal: Goal) -> tuple[Step, int] | None:
         """One step with all its refinements; None when no equilibrium was found."""
         refinements = 0
         while True:
             system = path.system
             counted = system.factorizations
             try:
-                guess = self._guess(path, value)
+                guess = self._guess(path, goal)
             except SingularMatrixError as error:
-                raise RunStopped(f"the structure has become a mechanism: {error}", path.number + 1, value) from error
-            constraint = prescribed(system.control, value)
+                raise RunStopped(
+                    f"the structure has become a mechanism: {error}", path.number + 1, path.now.value
+                ) from error
             found = solver.solve(
-                system, path.now.response.history, constraint, guess, 0.05 * path.peak, patience=patience
+                system,
+                path.now.response.history,
+                goal.constraint(system, path.now),
+                guess,
+                0.05 * path.peak,
+                patience=goal.patience,
             )
             path.factorizations += system.factorizations - counted
             if found is None:
-                path.iterations += patience * solver.max_iterations
+                path.iterations += goal.patience * solver.max_iterations
                 return None
             path.iterations += found.iterations
+            if follower.is_jump(goal, abs(path.load) - abs(found.load), path.peak):
+                return None
             utilisation = system.elastic_utilisation(found.response)
             stress = system.stress(found.response, found.load)
             state = ElasticState(
@@ -220,41 +223,60 @@ class Simulation:
             refinements += 1
             path.refinements += 1
             if refinements > _MOST_REFINEMENTS:
-                raise RunStopped(f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, value)
+                raise RunStopped(
+                    f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, path.now.value
+                )
             # Bodies that would be critical soon are taken along: re-tessellation costs more than a few bodies.
             soon = np.nan_to_num(criterion) > _AHEAD * self.case.adaptivity.gamma
             try:
-                self._refine(path, system.tessellation.x[soon])
+                self._refine(path, system.tessellation.x[soon], found.response.history)
             except (InputError, SingularMatrixError) as error:
                 raise RunStopped(
-                    f"the refined discretization cannot be used: {error}", path.number + 1, value
+                    f"the refined discretization cannot be used: {error}", path.number + 1, path.now.value
                 ) from error
             path.factorizations += path.system.factorizations
-        return self._accept(path, found, criterion, utilisation, stress), found.iterations
+        return self._accept(path, goal, found, criterion, utilisation, stress), found.iterations
 
-    def _guess(self, path: _Path, value: float) -> tuple[FloatArray, float]:
+    def _guess(self, path: _Path, goal: Goal) -> tuple[FloatArray, float]:
         """Displacements and load with which the iteration begins: extrapolated from the last two states."""
         now, before = path.now, path.before
-        if before is None:
-            if now.value == 0.0:
-                unit = settle(path.system, now.response.history, value)
-                return unit.response.u, unit.load
-            ratio = value / now.value
-            return ratio * now.response.u, ratio * now.load
-        ratio = (value - now.value) / (now.value - before.value)
-        return (
-            now.response.u + ratio * (now.response.u - before.response.u),
-            now.load + ratio * (now.load - before.load),
-        )
+        growth = 0.0 if before is None else now.value - before.value
+        if before is not None and (goal.in_energy or growth > 0.0):
+            ratio = goal.size / max(path.spent, 1e-300) if goal.in_energy else (goal.size - now.value) / growth
+            ratio = min(ratio, _FARTHEST if goal.in_energy == path.in_energy else 1.0)
+            return (
+                now.response.u + ratio * (now.response.u - before.response.u),
+                now.load + ratio * (now.load - before.load),
+            )
+        if goal.in_energy:
+            return self._aimed(path, goal.size)
+        if now.value == 0.0:
+            unit = settle(path.system, now.response.history, goal.size)
+            return unit.response.u, unit.load
+        ratio = goal.size / now.value
+        return ratio * now.response.u, ratio * now.load
 
-    def _refine(self, path: _Path, centers: FloatArray) -> None:
+    def _aimed(self, path: _Path, energy: float) -> tuple[FloatArray, float]:
+        """The state with the damage found before refinement, under the load with which it has dissipated an energy."""
+        now = path.now
+        if path.aim is not None:
+            end = settle(path.system, path.aim, now.value)
+            unit = end.response.u / end.load
+            softer = float(path.system.load @ (unit - now.response.u / now.load))
+            load = 2.0 * energy / (now.load * softer) if softer != 0.0 else np.inf
+            if 1.0 / _PAST_AIM < load / now.load < _PAST_AIM:
+                return load * unit, load
+        return _PAST * now.response.u, _PAST * now.load
+
+    def _refine(self, path: _Path, centers: FloatArray, reached: FloatArray) -> None:
         """Refine around critical centres and settle the last accepted state on the new discretization."""
         old = path.system
         history, pairs = path.now.response.history, old.pairs()
         self._region = self._region.grown(centers)
-        self.tessellation = self._discretize(self._region)
+        self.tessellation = self._discretize(self._region, self.tessellation)
         self._system = path.system = self._calibrated(self._equations(self.tessellation))
         history = transfer_history(pairs, history, path.system.pairs())
+        path.aim = transfer_history(pairs, reached, path.system.pairs())
         value = path.now.value
         _log.info("refined to %d bodies at %.4g m", len(self.tessellation), value)
         if value == 0.0:
@@ -267,6 +289,7 @@ class Simulation:
     def _accept(
         self,
         path: _Path,
+        goal: Goal,
         found: Equilibrium,
         criterion: FloatArray,
         utilisation: FloatArray,
@@ -274,9 +297,11 @@ class Simulation:
     ) -> Step:
         system = path.system
         displacement = float(system.load @ found.response.u)
-        path.dissipated += float(system.dissipated(path.now.response, found.response).sum())
+        path.spent = float(system.dissipated(path.now.response, found.response).sum())
+        path.dissipated += path.spent
+        path.in_energy = goal.in_energy
         path.work += 0.5 * (path.load + found.load) * (displacement - path.displacement)
-        path.before, path.now = path.now, found
+        path.before, path.now, path.aim = path.now, found, None
         path.number += 1
         path.displacement, path.load = displacement, found.load
         path.peak = max(path.peak, abs(found.load))
@@ -296,6 +321,7 @@ class Simulation:
             max_elastic_utilisation=float(utilisation.max(initial=0.0)),
             residual=found.norms.force,
             snapshot=self._snapshot(system, found, criterion, stress),
+            control=goal.control,
         )
         path.iterations = path.factorizations = path.refinements = 0
         return step

@@ -58,7 +58,7 @@ class Step:
     number : int
         1, 2, ...
     gauge : float
-        The controlled quantity [m].
+        The controlled quantity [m]; it may turn back where dissipated energy leads.
     load : float
         Load [N].
     load_displacement : float
@@ -77,6 +77,8 @@ class Step:
         Relative force residual.
     snapshot : Snapshot
         The state.
+    control : str
+        What led in this step: "gauge", "displacement" or "dissipation".
     """
 
     number: int
@@ -94,3 +96,4 @@ class Step:
     max_elastic_utilisation: float
     residual: float
     snapshot: Snapshot
+    control: str = "gauge"

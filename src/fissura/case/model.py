@@ -31,6 +31,7 @@ from fissura.case.types import (
     PositiveEnergyPerArea,
     PositiveLength,
     PositiveStress,
+    Share,
     Size,
     Thickness,
     Tolerance,
@@ -198,7 +199,7 @@ class Adaptivity(Part):
 class Control(Part):
     """How far and in what steps the specimen is deformed."""
 
-    type: Literal["gauge", "displacement"] = "gauge"
+    type: Literal["gauge", "displacement", "dissipation"] = "gauge"
     target: PositiveLength = Field(description='a length such as "0.1 mm"')
     max_step: PositiveLength = Field(default_factory=derived(lambda target: target / 50, "target"))
     first_step: PositiveLength = Field(
@@ -209,6 +210,8 @@ class Control(Part):
     )
     tolerance: Tolerance = 1e-4
     max_iterations: PositiveCount = 30
+    switch: Flag = True
+    stop_load: Share = Field(default_factory=derived(lambda kind: 0.05 if kind == "dissipation" else 0.0, "type"))
 
     @model_validator(mode="after")
     def _steps_in_order(self) -> Self:
@@ -254,6 +257,13 @@ class Case(Part):
     def source(self) -> str | None:
         """Text of the case file; None for a case that was not read from one."""
         return None  # `load_case` puts the text in its place
+
+    @property
+    def quantity(self) -> Literal["gauge", "displacement"]:
+        """The controlled quantity: the gauge, or the displacement of the load."""
+        if self.control.type == "dissipation":
+            return "displacement" if self.gauge is None else "gauge"
+        return self.control.type
 
     @field_validator("name")
     @classmethod

@@ -26,6 +26,7 @@ __all__ = [
     "PositiveEnergyPerArea",
     "PositiveLength",
     "PositiveStress",
+    "Share",
     "Size",
     "Thickness",
     "Tolerance",
@@ -82,7 +83,9 @@ def _quantity(
 ) -> Callable[[Any], float]:
     """Validator of a quantity in the interval (above, below], or [above, below] with ``equal``."""
     allowed = dimension.allowed
-    if below < math.inf:
+    if below < math.inf and equal:
+        allowed += f", {above:g} to {below:g}"
+    elif below < math.inf:
         allowed += f", above {above:g} and at most {below:g}"
     elif above > -math.inf:
         allowed += ", zero or positive" if equal else ", positive"
@@ -180,6 +183,7 @@ PositiveStress = Annotated[float, BeforeValidator(_quantity(STRESS, 0.0))]
 PositiveEnergyPerArea = Annotated[float, BeforeValidator(_quantity(ENERGY_PER_AREA, 0.0))]
 Factor = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0))]
 Fraction = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, below=1.0))]
+Share = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, equal=True, below=1.0))]
 Tolerance = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, below=0.1))]
 Count = Annotated[int, BeforeValidator(_integer(0))]
 PositiveCount = Annotated[int, BeforeValidator(_integer(1))]
