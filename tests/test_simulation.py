@@ -14,6 +14,7 @@ from fissura.adaptivity import gauge_compliance
 from fissura.case import case_from_dict, load_case
 from fissura.contact import kinematics, nodal_forces
 from fissura.equilibrium import attach
+from fissura.equilibrium.assembly import add_spin
 from fissura.errors import InputError, RunStopped
 from fissura.simulation import Simulation
 from fissura.specimen import conditions_from_case, specimen_from_case
@@ -70,6 +71,9 @@ def test_every_step_is_in_equilibrium(kind, full):
         load = attach(conditions.load, tessellation)
         held = np.any([attach(s, tessellation).any(axis=1) for s in conditions.supports], axis=0)
         forces = nodal_forces(kinematics(tessellation), step.snapshot.traction)
+        contacts = tessellation.contacts  # with the trace of rotational stiffness that they have
+        spin = 1e-6 * case.material.E * contacts.area**2 / (12.0 * contacts.length)
+        add_spin(kinematics(tessellation), spin, step.snapshot.displacement, forces)
         weights = np.repeat([1.0, 2.0 / np.median(tessellation.contacts.length)], 3)
         residual = weights * (step.load * load - forces)[~held]
         size = np.linalg.norm(weights * load) * max(abs(step.load), 0.05 * peak)

@@ -69,6 +69,7 @@ class _Path:
     peak: float = 0.0
     # Since the last accepted step, attempts that failed included:
     iterations: int = 0
+    linear_iterations: int = 0
     factorizations: int = 0
     refinements: int = 0
 
@@ -126,7 +127,7 @@ class Simulation:
         return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x), previous)
 
     def _equations(self, tessellation: Tessellation) -> System:
-        return System(tessellation, self._material, self._law, self._conditions)
+        return System(tessellation, self._material, self._law, self._conditions, self.case.solver.linear)
 
     def _calibrated(self, system: System) -> System:
         """The equations of a discretization, their elastic part calibrated when the case asks for that."""
@@ -202,6 +203,7 @@ class Simulation:
                 patience=goal.patience,
             )
             path.factorizations += system.factorizations - counted
+            path.linear_iterations += solver.linear_iterations
             if found is None:
                 path.iterations += goal.patience * solver.max_iterations
                 return None
@@ -314,6 +316,7 @@ class Simulation:
             fine_bodies=int(system.tessellation.fine.sum()),
             refinements=path.refinements,
             iterations=path.iterations,
+            linear_iterations=path.linear_iterations,
             factorizations=path.factorizations,
             dissipated=path.dissipated,
             stored=system.stored(found.response),
@@ -323,7 +326,7 @@ class Simulation:
             snapshot=self._snapshot(system, found, criterion, stress),
             control=goal.control,
         )
-        path.iterations = path.factorizations = path.refinements = 0
+        path.iterations = path.linear_iterations = path.factorizations = path.refinements = 0
         return step
 
     def _snapshot(self, system: System, found: Equilibrium, criterion: FloatArray, stress: FloatArray) -> Snapshot:

@@ -67,8 +67,9 @@ class Step:
         Bodies, and those of them in the refined region.
     refinements : int
         Re-tessellations since the step before.
-    iterations, factorizations : int
-        Nonlinear iterations and factorizations since the step before, repeats and failed attempts included.
+    iterations, linear_iterations, factorizations : int
+        Corrections, applications of the preconditioner in them, and preparations of linear solvers since the step
+        before, repeats and failed attempts included.
     dissipated, stored, work : float
         Energy dissipated so far, elastic energy now, work of the load so far [J].
     max_elastic_utilisation : float
@@ -89,6 +90,7 @@ class Step:
     fine_bodies: int
     refinements: int
     iterations: int
+    linear_iterations: int
     factorizations: int
     dissipated: float
     stored: float

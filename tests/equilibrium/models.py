@@ -61,7 +61,7 @@ def block(size, l_f, seed, *, fine_ball=None, l_c=None, notches=()):
     return discretize(nuclei, box, region.spacing(nuclei.x))
 
 
-def beam_system(case=None, *, region=None):
+def beam_system(case=None, *, region=None, linear="auto"):
     """Equations of a case at full resolution, or with another region."""
     case = beam() if case is None else case
     box = specimen_from_case(case)
@@ -69,7 +69,7 @@ def beam_system(case=None, *, region=None):
     spacing = np.zeros(len(nuclei)) if region is None else region.spacing(nuclei.x)
     m = case.material
     material = Material(m.E, m.alpha, m.f_t, m.G_t, m.f_s, m.f_c, m.G_s, m.K_c, m.mu, m.beta, m.n_c)
-    return System(discretize(nuclei, box, spacing), material, CusatisCedolin, conditions_from_case(case, box))
+    return System(discretize(nuclei, box, spacing), material, CusatisCedolin, conditions_from_case(case, box), linear)
 
 
 def half_fine(l_f=0.01, l_c=0.02):

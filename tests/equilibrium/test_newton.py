@@ -102,8 +102,8 @@ def test_settle_keeps_the_damage_that_is_there(system):
 
 def test_reciprocity(system):
     """Maxwell-Betti: the gauge under the load moves as the load under the gauge."""
-    system.solver.factor(system.secant(system.virgin()), symmetric=True)
-    a, b = system.solver.solve(np.stack([system.load, system.control], axis=1)).T
+    system.symmetric.factor(system.secant(system.virgin()))
+    a, b = system.symmetric.solve(np.stack([system.load, system.control], axis=1)).T
     assert system.control @ a == pytest.approx(system.load @ b, rel=1e-8)
 
 

@@ -5,6 +5,8 @@ from equilibrium.models import beam, beam_system
 from fissura.equilibrium import SingularMatrixError, symmetric
 from fissura.equilibrium.symmetric import SymmetricSolver
 
+NAMES = ["direct", "two-level", "amg"]
+
 
 @pytest.fixture(scope="module")
 def system():
@@ -12,15 +14,13 @@ def system():
 
 
 @pytest.fixture
-def make(system, monkeypatch):
-    """Build a solver with the limit of its choice replaced."""
+def make(system):
+    return lambda linear: SymmetricSolver(system.pattern, system.tessellation.x, linear)
 
-    def build(large):
-        monkeypatch.setattr(symmetric, "_LARGE", large)
-        system.solver.factorizations = 0
-        return SymmetricSolver(system.pattern, system.tessellation.x, system.solver)
 
-    return build
+@pytest.fixture(scope="module")
+def expected(system):
+    return solved(SymmetricSolver(system.pattern, system.tessellation.x, "direct"), system)
 
 
 def solved(solver, system):
@@ -28,38 +28,65 @@ def solved(solver, system):
     return solver.solve(np.stack([system.load, system.control], axis=1))
 
 
-def test_small_and_large_structures_get_the_same_solution(system, make):
+@pytest.mark.parametrize("name", NAMES)
+def test_all_solvers_find_the_same(system, make, expected, name):
+    solver = make(name)
+    np.testing.assert_allclose(solved(solver, system), expected, rtol=0.0, atol=1e-6 * np.abs(expected).max())
+    assert (solver.factorizations, solver.matrices) == (1, 1)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_application_comes_with_its_exact_product(system, make, name):
+    solver = make(name)
+    data = system.secant(system.virgin())
+    solver.factor(data)
+    right = np.random.default_rng(1).normal(size=system.size)
+    found, image = solver.apply_with_product(right)
+    product = system.pattern.product(data, found)
+    np.testing.assert_allclose(image, product, atol=1e-7 * np.abs(product).max())
+
+
+def test_auto_chooses_by_size(system, make, monkeypatch):
     count = len(system.tessellation)
-    direct = make(count + 1)
-    expected = solved(direct, system)
-    assert (direct.preparations, system.solver.factorizations) == (0, 1)
-    iterative = make(count)
-    found = solved(iterative, system)
-    assert (iterative.preparations, system.solver.factorizations) == (1, 0)
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6 * np.abs(expected).max())
+    for large, name in ((count, "two-level"), (count + 1, "direct")):
+        monkeypatch.setattr(symmetric, "_LARGE", large)
+        np.testing.assert_array_equal(solved(make("auto"), system), solved(make(name), system))
 
 
 @pytest.mark.parametrize("failing", ["factor", "solve"])
-def test_direct_solver_takes_over_where_the_iterative_one_fails(system, make, monkeypatch, failing):
-    expected = solved(make(10**9), system)
-
+def test_direct_solver_takes_over_where_the_iterative_one_fails(system, make, monkeypatch, expected, failing):
     def fail(*arguments, **options):
         raise SingularMatrixError("does not converge")
 
-    solver = make(1)
-    monkeypatch.setattr(solver._iterative, failing, fail)
+    solver = make("two-level")
+    monkeypatch.setattr(solver._chosen, failing, fail)
     np.testing.assert_array_equal(solved(solver, system), expected)
-    assert system.solver.factorizations == 1
+    right = np.ones(system.size)
+    assert solver.apply_with_product(right)[1] is right
     monkeypatch.undo()
     np.testing.assert_allclose(solved(solver, system), expected, rtol=0.0, atol=1e-6 * np.abs(expected).max())
 
 
-def test_a_matrix_that_is_not_positive_definite_is_refused(system, make):
-    for large in (1, 10**9):
-        with pytest.raises(SingularMatrixError):
-            refused(make(large), system)
+@pytest.mark.parametrize("name", NAMES)
+def test_a_matrix_that_is_not_positive_definite_is_refused(system, make, name):
+    solver = make(name)
+    with pytest.raises(SingularMatrixError):
+        refused(solver, system)
 
 
 def refused(solver, system):
     solver.factor(-system.secant(system.virgin()))
     solver.solve(system.load)
+
+
+def test_a_preparation_counts_only_until_the_solver_is_used_for_another_matrix(system):
+    prepared = system.prepared
+    prepared.solve(system.virgin())
+    assert prepared.ready
+    system.symmetric.factor(2.0 * system.secant(system.virgin()))
+    assert not prepared.ready
+    np.testing.assert_allclose(
+        system.pattern.product(system.secant(system.virgin()), prepared.solve(system.virgin())),
+        system.load,
+        atol=1e-6 * np.abs(system.load).max(),
+    )

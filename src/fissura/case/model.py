@@ -225,6 +225,12 @@ class Control(Part):
         return self
 
 
+class Solver(Part):
+    """How linear equations are solved."""
+
+    linear: Literal["auto", "direct", "two-level", "amg"] = "auto"
+
+
 class Output(Part):
     """What a run writes besides its curve and summary."""
 
@@ -252,6 +258,7 @@ class Case(Part):
     control: Control = Field(description="a table [control] with target")
     gauge: Gauge | None = None
     output: Output = Output()
+    solver: Solver = Solver()
 
     @cached_property
     def source(self) -> str | None:

@@ -14,6 +14,7 @@ from scipy.sparse import bsr_matrix
 from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.krylov import dot
 from fissura.equilibrium.linear import SingularMatrixError
+from fissura.errors import InputError
 
 try:
     import pyamg
@@ -63,13 +64,17 @@ class SmoothedAggregation:
 
     Raises
     ------
-    ModuleNotFoundError
-        PyAMG is not installed (``pip install fissura[amg]``).
+    InputError
+        PyAMG is not installed.
     """
 
     def __init__(self, form: Pattern, x: FloatArray, tolerance: float = 1e-8, max_iterations: int = 500) -> None:
         if pyamg is None:
-            raise ModuleNotFoundError("smoothed aggregation needs PyAMG: pip install fissura[amg]")
+            raise InputError(
+                "solver.linear",
+                "'amg' needs the package pyamg, which is not installed",
+                "another solver, or `pip install 'fissura[amg]'`",
+            )
         self.form = form
         self.tolerance = tolerance
         self.max_iterations = max_iterations
@@ -144,7 +149,7 @@ class SmoothedAggregation:
         z = self.apply(r)
         p, rho = z, dot(r, z)
         for _ in range(self.max_iterations):
-            if rho <= self.tolerance**2 * dot(u, right):
+            if 0.0 <= rho <= self.tolerance**2 * dot(u, right):
                 return u
             self.iterations += 1
             product = self.form.product(self._data, p)

@@ -32,7 +32,7 @@ _SMALLEST_CUT = 1.0 / 16.0
 _STALLS = 2
 
 #: What then goes on: a mixture of tangent and secant stiffness, with these shares of the tangent in one burst after
-#: another, the last one repeated. A burst takes twice as many corrections as the one before it. With much of the tangent
+#: another, the last one repeated; a burst takes twice as many corrections as the one before. With much of the tangent
 #: most jumps of a crack take few corrections, but some never end; the secant stiffness always comes closer, slowly
 #: (`benchmarks/nonlinear.py`).
 _SHARES_OF_TANGENT = (0.9, 0.7, 0.5, 0.0)

@@ -42,10 +42,16 @@ class PreparedSecant:
     def __init__(self, system: System, solver: SymmetricSolver) -> None:
         self._system, self._solver = system, solver
         self.count = 0
+        self._matrix = -1  # number of the matrix that it prepared
         self.intact: FloatArray = np.empty(0)
         self.unit: FloatArray = np.empty(0)
         self.unit_forces: FloatArray = np.empty(0)
         self._exact = False
+
+    @property
+    def ready(self) -> bool:
+        """Whether the solver has been prepared and not been used for another matrix since."""
+        return self._matrix == self._solver.matrices
 
     def solve(self, history: FloatArray) -> FloatArray:
         """Displacements under the unit load with given damage, (6 n,).
@@ -81,9 +87,10 @@ class PreparedSecant:
     def _factor(self, history: FloatArray) -> None:
         """Prepare the solver; does nothing when it is prepared for this damage."""
         intact = 1.0 - history[:, 0]
-        if self.count > 0 and np.array_equal(intact, self.intact):
+        if self.ready and np.array_equal(intact, self.intact):
             return
         self._solver.factor(self._system.secant(history))
+        self._matrix = self._solver.matrices
         self.count += 1
         self.intact, self._exact = intact, False
 

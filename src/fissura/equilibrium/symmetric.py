@@ -19,8 +19,12 @@ __all__ = ["LINEAR_SOLVERS", "SymmetricSolver"]
 FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
-#: From this number of bodies on the two-level solver is faster (`benchmarks/linear_solvers.py`).
-_LARGE = 2000
+#: From this number of bodies on the two-level solver is chosen. For one elastic solution the two cross between 500 and
+#: 1000 bodies (`benchmarks/linear_solvers.py`); as the preconditioner of whole runs it is faster from 500 on.
+_LARGE = 500
+
+#: Error of iterative solutions in the energy norm.
+_TOLERANCE = 1e-8
 
 #: Solvers by name, made from a pattern, nuclei (n, 3), and a relative error in the energy norm, which `direct` does not
 #: need. `amg` is there for comparison.
@@ -34,7 +38,7 @@ LINEAR_SOLVERS: dict[str, Callable[[Pattern, FloatArray, float], LinearSolver]] 
 class SymmetricSolver:
     """Solves with elastic and secant matrices.
 
-    Where the iterative solver does not converge, the direct one takes over for that matrix.
+    Where an iterative solver does not converge, the direct one takes over for that matrix.
 
     Parameters
     ----------
@@ -42,19 +46,30 @@ class SymmetricSolver:
         Pattern of all matrices to come.
     x : (n, 3) array
         Nuclei [m].
-    direct : LinearSolver
-        Direct solver for the same pattern.
+    linear : str
+        Name of a solver, or "auto", which chooses by the number of bodies.
+
+    Attributes
+    ----------
+    matrices : int
+        Matrices prepared so far.
     """
 
-    def __init__(self, form: Pattern, x: FloatArray, direct: LinearSolver) -> None:
-        self._direct = direct
-        self._iterative = TwoLevel(form, x) if len(x) >= _LARGE else None
-        self._data: FloatArray | None = None  # of the matrix, while the iterative solver is in charge
+    def __init__(self, form: Pattern, x: FloatArray, linear: str = "auto") -> None:
+        if linear == "auto":
+            linear = "two-level" if len(x) >= _LARGE else "direct"
+        self._form, self._x = form, x
+        self._chosen = LINEAR_SOLVERS[linear](form, x, _TOLERANCE)
+        self._direct: LinearSolver | None = self._chosen if linear == "direct" else None
+        self._current: LinearSolver = self._chosen
+        self._data: FloatArray = np.empty(0)
+        self.matrices = 0
 
     @property
-    def preparations(self) -> int:
-        """Times that the iterative solver was prepared for a matrix."""
-        return 0 if self._iterative is None else self._iterative.factorizations
+    def factorizations(self) -> int:
+        """Preparations so far, those of the direct solver where it had to take over included."""
+        count = self._chosen.factorizations
+        return count if self._direct in (None, self._chosen) else count + self._direct.factorizations
 
     def factor(self, data: FloatArray) -> None:
         """Prepare for the matrix with these entries.
@@ -64,15 +79,22 @@ class SymmetricSolver:
         SingularMatrixError
             The matrix is not positive definite.
         """
-        self._data = None
-        if self._iterative is not None:
-            try:
-                self._iterative.factor(data, symmetric=True)
-                self._data = data
-                return
-            except SingularMatrixError as error:
-                _log.debug("two-level solver: %s", error)
-        self._direct.factor(data, symmetric=True)
+        self._data, self._current = data, self._chosen
+        self.matrices += 1
+        try:
+            self._chosen.factor(data, symmetric=True)
+        except SingularMatrixError as error:
+            self._take_over(error)
+
+    def _take_over(self, error: SingularMatrixError) -> None:
+        """Let the direct solver take over for the current matrix."""
+        if self._current is self._direct:
+            raise error
+        _log.debug("direct solver takes over: %s", error)
+        if self._direct is None:
+            self._direct = LINEAR_SOLVERS["direct"](self._form, self._x, _TOLERANCE)
+        self._current = self._direct
+        self._direct.factor(self._data, symmetric=True)
 
     def solve(self, right: FloatArray) -> FloatArray:
         """Solve for one or more right-hand sides; (6 n,) or (6 n, k).
@@ -82,24 +104,20 @@ class SymmetricSolver:
         SingularMatrixError
             The matrix is not positive definite.
         """
-        if self._iterative is not None and self._data is not None:
-            try:
-                return self._iterative.solve(right)
-            except SingularMatrixError as error:
-                _log.debug("two-level solver: %s", error)
-                self._direct.factor(self._data, symmetric=True)
-                self._data = None
-        return self._direct.solve(right)
-
-    def apply(self, right: FloatArray) -> FloatArray:
-        """One application of the preconditioner, or of the direct factorization; (6 n,) -> (6 n,)."""
-        if self._iterative is not None and self._data is not None:
-            return self._iterative.apply(right)
-        return self._direct.apply(right)
+        try:
+            return self._current.solve(right)
+        except SingularMatrixError as error:
+            self._take_over(error)
+        return self._current.solve(right)
 
     def apply_with_product(self, right: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """:meth:`apply`, and the matrix times its result, which costs a direct solver nothing."""
-        found = self.apply(right)
-        if self._iterative is not None and self._data is not None:
-            return found, self._iterative.product(found)
-        return found, right
+        """One application of the preconditioner, and the matrix times its result; (6 n,) -> (6 n,) each.
+
+        The second costs a direct solver nothing: it is `right`.
+        """
+        found = self._current.apply(right)
+        if self._current is self._direct:
+            return found, right
+        if isinstance(self._current, TwoLevel):
+            return found, self._current.product(found)
+        return found, self._form.product(self._data, found)

@@ -20,8 +20,6 @@ from fissura.contact import (
 )
 from fissura.equilibrium.assembly import Pattern, add_spin, assemble, pattern
 from fissura.equilibrium.attach import attach, attach_rows, owners
-from fissura.equilibrium.direct import best_solver
-from fissura.equilibrium.linear import LinearSolver
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.symmetric import SymmetricSolver
@@ -85,6 +83,8 @@ class System:
         Contact law of fine contacts.
     conditions : Conditions
         Supports, load and controlled quantity.
+    linear : str
+        Linear solver, see :class:`SymmetricSolver`.
 
     Attributes
     ----------
@@ -98,6 +98,7 @@ class System:
         material: Material,
         law: type[CusatisCedolin],
         conditions: Conditions,
+        linear: str = "auto",
     ) -> None:
         contacts = tessellation.contacts
         self.tessellation = tessellation
@@ -125,8 +126,7 @@ class System:
         self.support_stiffness = _SUPPORT_STIFFNESS * typical
         self.constant, wide = self._supports(rows)
         self.pattern: Pattern = pattern(self.geometry, self.constant, self._spin(), wide)
-        self.solver: LinearSolver = best_solver()(self.pattern)
-        self.symmetric = SymmetricSolver(self.pattern, tessellation.x, self.solver)
+        self.symmetric = SymmetricSolver(self.pattern, tessellation.x, linear)
         self.prepared = PreparedSecant(self, self.symmetric)
         # Moments count as forces at the arm of half a contact.
         arm = 0.5 * float(np.median(contacts.length))
@@ -168,7 +168,7 @@ class System:
     @property
     def factorizations(self) -> int:
         """Matrices factorized, or prepared for iterative solution, so far."""
-        return self.solver.factorizations + self.symmetric.preparations
+        return self.symmetric.factorizations
 
     @property
     def size(self) -> int:

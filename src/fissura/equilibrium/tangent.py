@@ -50,7 +50,7 @@ class TangentSolver:
     def _renew(self, response: Response, load: float) -> None:
         """Prepare the secant stiffness where that has become worth its cost."""
         secant = self.system.prepared
-        if secant.count == 0 or (self._preparation == secant.count and self._excess > _PREPARATION):
+        if not secant.ready or (self._preparation == secant.count and self._excess > _PREPARATION):
             secant.prepare(response, load)
         if self._preparation != secant.count:
             self._preparation, self._fresh, self._excess = secant.count, None, 0
