@@ -28,9 +28,7 @@ SIZES = (60.0, 100.0)
 #: Seeds for the robustness of the set beyond the first one.
 MORE_SEEDS = 30
 #: The part of the set that takes most of the time: left out where choices are compared.
-LARGEST = {
-    f"{name}, {SIZES[1]:g}, {energy:g}, full" for name in ("beam 1/2", "beam 1/5", "prism") for energy in ENERGIES
-}
+LARGEST = (", 100, 8, full", ", 100, 100, full")
 
 TEXT = """\
 Three specimens (beam with a notch through half of its depth, beam with one through a fifth, prism in tension with a
@@ -48,6 +46,7 @@ is.
 
 
 def produce(found: argparse.Namespace) -> Report:
+    _row(*next(chosen for chosen in _set() if chosen[0].startswith("prism")))  # compiles what other cases do not need
     rows = []
     for name, case, full in _set():
         rows.append(_row(name, case, full))

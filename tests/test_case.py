@@ -127,6 +127,16 @@ def test_regions() -> None:
     )
 
 
+def test_elastic_regions_are_of_the_same_kinds() -> None:
+    ball = {"type": "ball", "center": ["1 cm", 0.0, 0], "radius": "20 mm"}
+    expected = BallRegion(type="ball", center=(0.01, 0.0, 0.0), radius=0.02)
+    assert case_from_dict(BASE).material.elastic == ()
+    for one_or_list in (ball, [ball]):
+        case = case_from_dict(changed(material__elastic=one_or_list))
+        assert case.material.elastic == (expected,)
+        assert case_from_dict(case.model_dump()) == case
+
+
 def test_dissipation_ends_with_the_load_and_records_the_gauge_if_there_is_one() -> None:
     case = case_from_dict(changed(control__type="dissipation"))
     assert (case.control.stop_load, case.quantity) == (0.05, "gauge")
@@ -263,6 +273,7 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     ("load.direction", {"load__direction": [0, 0.0, 0]}, "not all zero"),
     ("load.direction", {"load__direction": [0, math.nan, 0]}, "three numbers"),
     ("adaptivity.regions[0].upper", {"adaptivity__regions": [FLAT_BOX]}, "above that of lower"),
+    ("material.elastic[0].upper", {"material__elastic": [FLAT_BOX]}, "above that of lower"),
     ("material.f_s", {"material__f_t": 1e308}, "a stress"),
     # kinds
     ("seed", {"seed": True}, "whole number"),
@@ -287,6 +298,8 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     ("adaptivity.regions[0].type", {"adaptivity__regions": [{"type": "cone"}]}, '"ball" or "box"'),
     ("adaptivity.regions[0].type", {"adaptivity__regions": [{"radius": 1}]}, '"ball" or "box"'),
     ("adaptivity.regions[0].radius", {"adaptivity__regions": [EMPTY_BALL]}, "a length"),
+    ("material.elastic[0].type", {"material__elastic": [{"type": "cone"}]}, '"ball" or "box"'),
+    ("material.elastic.radius", {"material__elastic": EMPTY_BALL}, "a length"),
     # missing
     ("specimen", {"specimen": ABSENT}, "[specimen]"),
     ("supports", {"supports": ABSENT}, "[[supports]]"),
@@ -367,8 +380,8 @@ JSON = st.recursive(
 )
 PLACES = [
     "name", "seed", "specimen", "specimen__size", "notch", "notch__width", "supports", "supports__0", "load",
-    "load__direction", "load__point", "gauge", "gauge__a", "material", "material__mu", "discretization",
-    "discretization__nuclei", "adaptivity", "adaptivity__regions", "adaptivity__criterion", "control",
+    "load__direction", "load__point", "gauge", "gauge__a", "material", "material__mu", "material__elastic",
+    "discretization", "discretization__nuclei", "adaptivity", "adaptivity__regions", "adaptivity__criterion", "control",
     "control__type", "output", "output__measured", "extra",
 ]  # fmt: skip
 
@@ -475,3 +488,10 @@ def test_import_is_light() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ""
+
+
+def test_linear_solver() -> None:
+    assert case_from_dict(BASE).solver.linear == "auto"
+    assert case_from_dict(changed(solver={"linear": "two-level"})).solver.linear == "two-level"
+    with pytest.raises(InputError, match=r'solver\.linear.*"direct"'):
+        case_from_dict(changed(solver={"linear": "gauss"}))

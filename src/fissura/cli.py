@@ -147,7 +147,7 @@ def run(
         loaded = load_case(case)
         folder = output if output is not None else Path("results") / (loaded.name + ("_full" if full else ""))
         console = Console(stderr=True)
-        progress = None if quiet else RunProgress(console, loaded.control.target)
+        progress = None if quiet else RunProgress(console, loaded)
         try:
             with _warnings(console) as warnings, progress or nullcontext():
                 result = api.run(

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Self
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn
 
+from fissura.results.done import Done
 from fissura.results.quantities import force, length
 
 if TYPE_CHECKING:
+    from fissura.case import Case
     from fissura.simulation import Simulation
     from fissura.step import Step
 
@@ -43,13 +45,14 @@ class RunProgress:
     ----------
     console : Console
         Where to write; a moving line if it is a terminal.
-    target : float
-        Value of the controlled quantity [m] at which the run ends.
+    case : Case
+        What is run: it says how far.
     """
 
-    def __init__(self, console: Console, target: float) -> None:
+    def __init__(self, console: Console, case: Case) -> None:
         self._console = console
-        self._target = target
+        self._quantity = case.quantity
+        self._done = Done(case)
         self._start = time.monotonic()
         self._recent: deque[tuple[float, float]] = deque([(self._start, 0.0)], maxlen=11)
         self._refinements = 0
@@ -92,42 +95,43 @@ class RunProgress:
     def step(self, step: Step) -> None:
         """Show an accepted step."""
         now = time.monotonic()
-        self._recent.append((now, step.gauge))
+        share = self._done.after(step)
+        self._recent.append((now, share))
         self._refinements += step.refinements
         text = self._line(step, now)
         if self._bar is not None:
-            self._bar.update(self._task, description=text, completed=self._fraction(step.gauge))
+            self._bar.update(self._task, description=text, completed=share)
             if step.refinements:
                 self._print(f"step {step.number}: {_count(step.refinements, 'refinement')}, {step.bodies} bodies")
             return
-        seconds, gauge = now - self._shown[0], step.gauge - self._shown[1]
-        if step.refinements or seconds >= EVERY_SECONDS or gauge >= EVERY_FRACTION * self._target * (1 - 1e-9):
-            self._shown = (now, step.gauge)
-            self._print(f"{100 * self._fraction(step.gauge):3.0f} %  {text}")
+        seconds, more = now - self._shown[0], share - self._shown[1]
+        if step.refinements or seconds >= EVERY_SECONDS or more >= EVERY_FRACTION * (1 - 1e-9):
+            self._shown = (now, share)
+            self._print(f"{100 * share:3.0f} %  {text}")
 
     def _line(self, step: Step, now: float) -> str:
         parts = [
             f"step {step.number}",
-            f"gauge {length(step.gauge)}",
-            f"load {force(step.load)}",
+            f"{self._quantity} {length(step.gauge)}",
+            f"load {force(step.load)}{self._left_of_peak(step)}",
             f"{step.bodies} bodies",
             _count(self._refinements, "refinement"),
             _count(step.iterations, "iteration"),
             f"{duration(now - self._start)} elapsed",
         ]
-        left = self._left(step.gauge)
+        left = self._left()
         return ", ".join(parts if left is None else [*parts, f"about {duration(left)} left"])
 
-    def _fraction(self, gauge: float) -> float:
-        return min(max(gauge / self._target, 0.0), 1.0)
+    def _left_of_peak(self, step: Step) -> str:
+        """What is left of the peak load, past it; the gauge says little while energy leads."""
+        load, peak = abs(step.load), self._done.peak
+        return f" ({100 * load / peak:.0f} % of the peak)" if step.control == "dissipation" and load < peak else ""
 
-    def _left(self, gauge: float) -> float | None:
-        """Time [s] to the target at the pace of the last steps; None when there is no pace yet."""
+    def _left(self) -> float | None:
+        """Time [s] to the end at the pace of the last steps; None when there is no pace."""
         then, before = self._recent[0]
-        now, _ = self._recent[-1]
-        if gauge <= before:
-            return None
-        return max(self._target - gauge, 0.0) * (now - then) / (gauge - before)
+        now, share = self._recent[-1]
+        return (1.0 - share) * (now - then) / (share - before) if share > before else None
 
     def _print(self, text: str) -> None:
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)

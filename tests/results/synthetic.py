@@ -133,6 +133,7 @@ def step(number, gauge, load, shot=None, **changes):
         "fine_bodies": 2,
         "refinements": 0,
         "iterations": 4,
+        "linear_iterations": 30,
         "factorizations": 2,
         "dissipated": 1e-3 * number,
         "stored": 1e-3,
@@ -144,7 +145,7 @@ def step(number, gauge, load, shot=None, **changes):
     return Step(**(values | changes))
 
 
-def case(**output):
+def case(control=None, **output):
     """Small valid case: a notched beam 20 mm long, target 0.1 mm, 2 snapshots."""
     data = {
         "name": "little beam",
@@ -155,16 +156,21 @@ def case(**output):
         "gauge": {"a": {"face": "bottom", "at": "9 mm"}, "b": {"face": "bottom", "at": "11 mm"}},
         "material": {"E": "60 GPa", "alpha": 0.29, "f_t": "2.2 MPa", "G_t": "35 J/m^2"},
         "discretization": {"l_f": "2 mm"},
-        "control": {"target": "0.1 mm"},
+        "control": {"target": "0.1 mm"} | (control or {}),
         "output": {"vtk": 2} | output,
     }
     return case_from_dict(data)
 
 
-def simulation(**output):
+def simulation(control=None, **output):
     """Stand-in for a simulation: what a recorder asks of it."""
     return SimpleNamespace(
-        case=case(**output), full=False, bodies_start=2, bodies_full=40, initial_stiffness=1.5e8, elastic_scale=0.9
+        case=case(control, **output),
+        full=False,
+        bodies_start=2,
+        bodies_full=40,
+        initial_stiffness=1.5e8,
+        elastic_scale=0.9,
     )
 
 
@@ -173,3 +179,21 @@ def steps(loads, target=1e-4, **changes):
     count = len(loads)
     shot = snapshot(stack(), opening=np.array([3e-6]))
     return [step(k + 1, target * (k + 1) / count, load, shot, **changes) for k, load in enumerate(loads)]
+
+
+#: Gauges [m], loads [N] and dissipated energies [J] of a path that turns back after the third step. The energies of the
+#: elastic steps are zero up to round-off.
+SNAP_BACK = (
+    [1e-5, 2e-5, 3e-5, 2.5e-5, 2e-5, 2.2e-5],
+    [100.0, 200.0, 300.0, 200.0, 60.0, 30.0],
+    [1e-21, -2e-21, 1e-3, 2e-3, 4e-3, 5e-3],
+)
+
+
+def snapping(gauges=SNAP_BACK[0], loads=SNAP_BACK[1], energies=SNAP_BACK[2]):
+    """Steps along a path that turns back; energy leads from the third on."""
+    shot = snapshot(stack(), opening=np.array([3e-6]))
+    return [
+        step(k, gauge, load, shot, dissipated=energy, control="gauge" if k < 3 else "dissipation")
+        for k, (gauge, load, energy) in enumerate(zip(gauges, loads, energies, strict=True), 1)
+    ]

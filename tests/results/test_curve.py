@@ -6,7 +6,7 @@ import pytest
 from fissura.errors import InputError
 from fissura.results.curve import COLUMNS, CurveWriter, columns, read_curve, row
 
-from .synthetic import step, steps
+from .synthetic import snapping, step, steps
 
 
 def rows():
@@ -25,7 +25,8 @@ def test_written_curve_reads_back(tmp_path):
     writer.close()
     read, kept = read_curve(tmp_path / "curve.csv"), columns(rows())
     assert tuple(read) == COLUMNS
-    for name in COLUMNS:
+    assert read.pop("control").tolist() == kept["control"].tolist() == ["gauge"] * 3
+    for name in read:
         np.testing.assert_allclose(read[name], kept[name], rtol=1e-11)
         assert read[name].dtype == kept[name].dtype
     assert read["step"].dtype == np.int64
@@ -59,6 +60,23 @@ def test_unknown_utilisation_survives(tmp_path):
     assert np.isnan(read_curve(tmp_path)["max_elastic_utilisation"][0])
 
 
+def test_what_led_is_told(tmp_path):
+    writer = CurveWriter(tmp_path / "curve.csv")
+    for taken in snapping():
+        writer.write(row(taken, 0.0, 0.0))
+    writer.close()
+    assert read_curve(tmp_path)["control"].tolist() == ["gauge"] * 2 + ["dissipation"] * 4
+    assert read_curve(tmp_path)["linear_iterations"].tolist() == [30] * 6
+
+
+def test_files_from_before_a_column_was_there(tmp_path):
+    names = [name for name in COLUMNS if name not in ("control", "linear_iterations")]
+    write(tmp_path / "curve.csv", [",".join(names), ",".join("1" for _ in names)])
+    read = read_curve(tmp_path)
+    assert list(read) == names
+    assert read["load_N"] == [1.0]
+
+
 def test_further_columns_are_kept(tmp_path):
     header = ",".join([*COLUMNS, "mine"])
     write(tmp_path / "curve.csv", [header, ",".join("1" for _ in range(len(COLUMNS) + 1))])
@@ -71,7 +89,7 @@ def test_further_columns_are_kept(tmp_path):
         ([""], "has no column step"),
         (["step,gauge_m", "1,2"], "has no column load_N"),
         ([",".join(COLUMNS), "1,2"], "line 2: has 2 values"),
-        ([",".join(COLUMNS), ",".join(["1"] * (len(COLUMNS) - 1) + ["fast"])], "wall_s is 'fast'"),
+        ([",".join(COLUMNS), ",".join(["1"] * (len(COLUMNS) - 2) + ["fast", "gauge"])], "wall_s is 'fast'"),
         ([",".join(COLUMNS), ",".join(["1.5"] + ["1"] * (len(COLUMNS) - 1))], "step is '1.5'"),
     ],
 )

@@ -7,7 +7,7 @@ from fissura.errors import InputError
 from fissura.results import Recorder, compare_results, pictures
 from fissura.results.pictures import plot_curve
 
-from .synthetic import simulation, step
+from .synthetic import simulation, snapping, step
 
 
 def run(loads, refinements=0, **output):
@@ -22,7 +22,7 @@ def shares(path):
     pixels = matplotlib.image.imread(path)[..., :3]
     return {
         name: np.mean(np.abs(pixels - to_rgb(getattr(pictures, name))).max(axis=-1) < 0.02)
-        for name in ("BLUE", "ORANGE")
+        for name in ("BLUE", "LIGHT", "ORANGE")
     } | {"grey": np.mean(np.ptp(pixels, axis=-1) < 0.04) - np.mean(pixels.min(axis=-1) > 0.99)}
 
 
@@ -31,7 +31,7 @@ def test_curve_and_refinements_are_drawn(tmp_path):
         plot_curve(run([100.0, 200.0, 150.0], refinements), tmp_path / f"{name}.png")
     plain, refined = shares(tmp_path / "plain.png"), shares(tmp_path / "refined.png")
     assert plain["BLUE"] > 1e-3
-    assert plain["ORANGE"] == 0
+    assert plain["ORANGE"] == plain["LIGHT"] == 0
     assert refined["ORANGE"] > 1e-4
 
 
@@ -56,6 +56,46 @@ def test_missing_band_is_an_error(tmp_path):
 def test_unusual_curves(tmp_path, loads):
     plot_curve(run(loads), tmp_path / "curve.png")
     assert matplotlib.image.imread(tmp_path / "curve.png").shape == (736, 1152, 4)
+
+
+def drawn(monkeypatch, draw):
+    """Axes of the picture that a function draws."""
+    figures = []
+    monkeypatch.setattr(pictures.Figure, "savefig", lambda figure, *_, **__: figures.append(figure))
+    draw()
+    return figures[0].axes
+
+
+def snapped(control=None):
+    recorder = Recorder(simulation(control, vtk=0), None)
+    for taken in snapping():
+        recorder.add(taken)
+    return recorder.finish("finished")
+
+
+def test_a_curve_that_turns_back_is_seen_as_a_whole(tmp_path, monkeypatch):
+    plot_curve(snapped(), tmp_path / "curve.png")
+    assert shares(tmp_path / "curve.png")["LIGHT"] > 1e-5
+    (axes,) = drawn(monkeypatch, lambda: plot_curve(snapped(), tmp_path / "curve.png"))
+    assert axes.get_xlim() == pytest.approx((0.0, 1.02 * 30))
+    assert axes.get_xlabel() == "gauge opening [µm]"
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["computed steps", "led by energy"]
+
+
+def test_the_axis_names_the_quantity(tmp_path, monkeypatch):
+    for control, name in (("displacement", "displacement of the load"), ("dissipation", "gauge opening")):
+        result = snapped({"type": control})
+        (axes,) = drawn(monkeypatch, lambda result=result: plot_curve(result, tmp_path / "curve.png"))
+        assert axes.get_xlabel() == f"{name} [µm]"
+        monkeypatch.undo()
+
+
+def test_comparison_over_energy(tmp_path, monkeypatch):
+    comparison = compare_results(snapped(), snapped())
+    upper, lower = drawn(monkeypatch, lambda: comparison.plot(tmp_path / "compare.png"))
+    assert upper.get_xlabel() == "gauge opening [µm]"
+    assert lower.get_xlabel() == "dissipated energy [mJ]"
+    assert upper.get_xlim()[1] > 30 > 6 > lower.get_xlim()[1]
 
 
 def test_comparison(tmp_path):

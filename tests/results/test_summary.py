@@ -6,7 +6,7 @@ from fissura.errors import InputError
 from fissura.results.curve import columns, row
 from fissura.results.summary import build_summary, read_summary, write_atomically, write_summary
 
-from .synthetic import simulation, step, steps
+from .synthetic import simulation, snapping, step, steps
 
 
 def summary_of(recorded, **changes):
@@ -36,6 +36,8 @@ def test_numbers():
         "steps": 4,
         "refinements": 8,
         "iterations": 16,
+        "linear_iterations": 120,
+        "steps_led_by_energy": 0,
         "factorizations": 8,
         "iterations_per_step": 4.0,
         "max_elastic_utilisation": 0.8,
@@ -48,6 +50,12 @@ def test_numbers():
     assert summary["energy_balance_error"] == pytest.approx(0.01e-3 / 5.01e-3)
     assert 1 < summary["peak_memory_MB"] < 1e5
     assert set(summary["versions"]) == {"fissura", "python", "numpy", "scipy", "numba"}
+
+
+def test_steps_led_by_energy_are_counted():
+    summary = summary_of(snapping())
+    assert summary["steps_led_by_energy"] == 4
+    assert (summary["gauge_at_peak_m"], summary["gauge_at_end_m"]) == (3e-5, 2.2e-5)
 
 
 def test_late_refinement_is_a_warning():
@@ -74,7 +82,7 @@ def test_unknown_numbers_are_null_in_strict_json(tmp_path):
 def test_no_steps():
     summary = summary_of([], status="stopped", message="no equilibrium")
     assert summary["peak_load_N"] is None
-    assert summary["steps"] == 0
+    assert summary["steps"] == summary["linear_iterations"] == summary["steps_led_by_energy"] == 0
     assert summary["message"] == "no equilibrium"
 
 

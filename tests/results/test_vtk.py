@@ -125,6 +125,13 @@ def test_a_facet_of_two_polygons_gives_two_cells(tmp_path):
     assert pyvista.read(tmp_path / "bodies_0001.vtu").n_cells == 2
 
 
+def test_series_list_the_files_by_step_where_the_gauge_turns_back(tmp_path):
+    for number in (3, 10, 12):
+        write_snapshot(tmp_path, number, snapshot(stack()))
+    write_series(tmp_path, {3: 2e-5, 10: 1e-5, 12: 3e-5})
+    assert pyvista.get_reader(tmp_path / "bodies.pvd").time_values == [3, 10, 12]
+
+
 def test_series_list_the_files_by_gauge(tmp_path):
     for number in (3, 10):
         write_snapshot(tmp_path, number, snapshot(stack()))

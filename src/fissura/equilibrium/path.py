@@ -154,6 +154,9 @@ class PathFollower:
             steady = self._growing >= self._needed or (growth > self._gauge.longest and self._needed == _GROWING)
             if steady and not self._always:
                 self._leads, self._since = False, 0
+                # It begins with steps as long as those that energy made, lest it leap over what comes.
+                first = min(max(growth, self._gauge.smallest), self._gauge.longest)
+                self._gauge = StepLength.starting(first, self._gauge.longest, self._gauge.smallest)
                 _log.info("the %s leads again at %.4g m", self._quantity, value)
             return
         self._since += 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from fissura.results.result import Result
 __all__ = ["Comparison", "compare", "compare_results"]
 
 FloatArray = NDArray[np.float64]
+
+ROUND_OFF = 1e-9
+"""Part of the energy at the end below which a step has dissipated nothing."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -29,18 +33,25 @@ class Comparison:
     ----------
     a, b : Result
         The runs.
-    gauge : (k,) array
-        Gauge values of both runs together, from 0 to the smaller of their ends [m].
+    over : str
+        What both runs have in common where their loads are compared: ``"gauge"``, or ``"dissipated energy"`` if the
+        gauge of either turns back.
+    abscissa : (k,) array
+        Values of that of both runs together, up to the smaller of their ends [m or J]: gauges from 0 on, energies
+        from the first step on at which both have dissipated any.
     load_a, load_b : (k,) array
-        Loads there, interpolated linearly from ``(0, 0)`` on [N].
+        Loads there, interpolated linearly, over the gauge from ``(0, 0)`` on [N].
     max_load_difference : float
-        Largest absolute load difference over ``gauge``, over the peak of B there.
-    gauge_of_max_difference : float
-        Where that is [m].
+        Largest absolute load difference over ``abscissa``, over the peak of B.
+    at_max_difference : float
+        Where that is [m or J].
+    peaks, gauges_at_peak : (float, float)
+        Largest loads of A and B up to the common end [N], and the gauges at which they occur [m].
     peak_difference, gauge_at_peak_difference : float
-        Of the largest loads over the common gauges, and of the gauges at which they occur.
+        Of these.
     energy_difference : float
-        Of the energies dissipated up to the common end.
+        Of the energies dissipated up to the common gauge; up to the ends of the runs where these are compared over
+        energy.
     stiffness_difference : float
         Of the initial stiffnesses.
     cpu_ratio : float
@@ -49,11 +60,14 @@ class Comparison:
 
     a: Result
     b: Result
-    gauge: FloatArray
+    over: Literal["gauge", "dissipated energy"]
+    abscissa: FloatArray
     load_a: FloatArray
     load_b: FloatArray
     max_load_difference: float
-    gauge_of_max_difference: float
+    at_max_difference: float
+    peaks: tuple[float, float]
+    gauges_at_peak: tuple[float, float]
     peak_difference: float
     gauge_at_peak_difference: float
     energy_difference: float
@@ -62,21 +76,24 @@ class Comparison:
 
     def table(self) -> list[tuple[str, str]]:
         """Rows of name and value."""
-        where = text.length(self.gauge_of_max_difference)
+        show = text.length if self.over == "gauge" else text.energy
+        start, end = ("0" if x == 0.0 else show(float(x)) for x in self.abscissa[[0, -1]])
+        energy = "dissipated energy" if self.over == "gauge" else "dissipated energy at the ends"
+        why = "" if self.over == "gauge" else "; the gauge turns back"
         bodies = [text.count(float(r.curve["bodies"][-1])) for r in (self.a, self.b)]
         seconds = [text.seconds(float(r.curve["cpu_s"][-1])) for r in (self.a, self.b)]
         return [
-            ("common gauge range", f"0 to {text.length(float(self.gauge[-1]))}"),
+            (f"common {self.over} range", f"{start} to {end}{why}"),
             (
                 "largest load difference",
-                f"{text.per_cent(self.max_load_difference)} of the peak, at {where}",
+                f"{text.per_cent(self.max_load_difference)} of the peak, at {show(self.at_max_difference)}",
             ),
-            ("peak load", _pair(text.force, self.load_a.max(), self.load_b.max(), self.peak_difference)),
+            ("peak load", _pair(text.force, *self.peaks, self.peak_difference)),
             (
                 "gauge at peak",
-                _pair(text.length, *self._gauges_at_peak(), self.gauge_at_peak_difference),
+                _pair(text.length, *self.gauges_at_peak, self.gauge_at_peak_difference),
             ),
-            ("dissipated energy", text.per_cent(self.energy_difference, signed=True)),
+            (energy, text.per_cent(self.energy_difference, signed=True)),
             (
                 "initial stiffness",
                 _pair(
@@ -98,9 +115,6 @@ class Comparison:
         from fissura.results.pictures import plot_comparison
 
         plot_comparison(self, Path(path))
-
-    def _gauges_at_peak(self) -> tuple[float, float]:
-        return float(self.gauge[self.load_a.argmax()]), float(self.gauge[self.load_b.argmax()])
 
     def __repr__(self) -> str:
         width = max(len(name) for name, _ in self.table())
@@ -129,40 +143,93 @@ def compare_results(a: Result, b: Result) -> Comparison:
     Raises
     ------
     InputError
-        A run has no steps with a positive gauge.
+        A run has no steps with a positive gauge, or its gauge turns back though it dissipates nothing.
     """
-    (gauge_a, load_a, energy_a), (gauge_b, load_b, energy_b) = _from_origin(a), _from_origin(b)
-    end = min(gauge_a[-1], gauge_b[-1])
-    gauge = np.union1d(gauge_a, gauge_b)
-    gauge = gauge[gauge <= end]
-    of_a, of_b = np.interp(gauge, gauge_a, load_a), np.interp(gauge, gauge_b, load_b)
-    peak_a, peak_b = of_a.argmax(), of_b.argmax()
-    worst = np.abs(of_a - of_b).argmax()
+    path_a, path_b = _Path.of(a), _Path.of(b)
+    by_gauge = path_a.grows and path_b.grows
+    (x_a, of_a), (x_b, of_b) = (path.over_gauge() if by_gauge else path.over_energy() for path in (path_a, path_b))
+    # Over energy the elastic part is one point, and where exactly damage begins depends on the steps.
+    start, end = 0.0 if by_gauge else max(x_a[1], x_b[1]), min(x_a[-1], x_b[-1])
+    if start >= end:
+        raise InputError(_key(a), f"has dissipated no energy in common with {_key(b)}", "runs that go on for longer")
+    x = np.union1d(x_a, x_b)
+    x = x[(x >= start) & (x <= end)]
+    load_a, load_b = np.interp(x, x_a, of_a[0]), np.interp(x, x_b, of_b[0])
+    (peak_a, gauge_a), (peak_b, gauge_b) = _peak(x_a, of_a, end), _peak(x_b, of_b, end)
+    worst = np.abs(load_a - load_b).argmax()
+    ends = [np.interp(end, x, of[2]) if by_gauge else of[2][-1] for x, of in ((x_a, of_a), (x_b, of_b))]
     return Comparison(
         a=a,
         b=b,
-        gauge=gauge,
-        load_a=of_a,
-        load_b=of_b,
-        max_load_difference=abs(_fraction(of_a[worst] - of_b[worst], of_b[peak_b])),
-        gauge_of_max_difference=float(gauge[worst]),
-        peak_difference=_difference(of_a[peak_a], of_b[peak_b]),
-        gauge_at_peak_difference=_difference(gauge[peak_a], gauge[peak_b]),
-        energy_difference=_difference(np.interp(end, gauge_a, energy_a), np.interp(end, gauge_b, energy_b)),
+        over="gauge" if by_gauge else "dissipated energy",
+        abscissa=x,
+        load_a=load_a,
+        load_b=load_b,
+        max_load_difference=abs(_fraction(load_a[worst] - load_b[worst], peak_b)),
+        at_max_difference=float(x[worst]),
+        peaks=(peak_a, peak_b),
+        gauges_at_peak=(gauge_a, gauge_b),
+        peak_difference=_difference(peak_a, peak_b),
+        gauge_at_peak_difference=_difference(gauge_a, gauge_b),
+        energy_difference=_difference(*ends),
         stiffness_difference=_difference(a.initial_stiffness, b.initial_stiffness),
         cpu_ratio=_fraction(b.curve["cpu_s"][-1], a.curve["cpu_s"][-1]),
     )
 
 
-def _from_origin(result: Result) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Gauge, load and dissipated energy with the state before the first step in front."""
-    gauge = result.gauge
-    if not len(gauge) or not gauge[-1] > 0:
-        key = str(result.folder or result.case.name)
-        raise InputError(key, "has no step with a positive gauge", "a run of at least one step")
-    assert np.all(np.diff(gauge, prepend=0.0) > 0), "the controlled quantity grows from step to step"
-    loads, energies = result.load_values, result.curve["dissipated_J"].astype(np.float64)
-    return np.append(0.0, gauge), np.append(0.0, loads), np.append(0.0, energies)
+@dataclass(frozen=True)
+class _Path:
+    """Gauge, load and dissipated energy of a run, with the state before its first step in front."""
+
+    key: str
+    gauge: FloatArray
+    load: FloatArray
+    energy: FloatArray
+
+    @classmethod
+    def of(cls, result: Result) -> _Path:
+        if not np.any(result.gauge > 0):
+            raise InputError(_key(result), "has no step with a positive gauge", "a run of at least one step")
+        energies = result.curve["dissipated_J"].astype(np.float64)
+        return cls(
+            _key(result),
+            np.append(0.0, result.gauge),
+            np.append(0.0, result.load_values),
+            np.append(0.0, energies),
+        )
+
+    @property
+    def grows(self) -> bool:
+        """Whether the gauge grows from step to step."""
+        return bool(np.all(np.diff(self.gauge) > 0))
+
+    def over_gauge(self) -> tuple[FloatArray, FloatArray]:
+        """Gauges, and loads, gauges and energies at them, shape (3, k)."""
+        return self.gauge, np.stack([self.load, self.gauge, self.energy])
+
+    def over_energy(self) -> tuple[FloatArray, FloatArray]:
+        """Energies, and the same at them, from the last step on that dissipated nothing.
+
+        The elastic steps before it all have the same energy, up to round-off.
+        """
+        energy = np.maximum.accumulate(self.energy)
+        energy[energy <= ROUND_OFF * energy[-1]] = 0.0
+        last = np.append(np.diff(energy) > 0, True)
+        if last.sum() < 2:
+            raise InputError(self.key, "has a gauge that turns back, and no dissipated energy", "a run with damage")
+        return energy[last], np.stack([self.load, self.gauge, energy])[:, last]
+
+
+def _peak(x: FloatArray, of: FloatArray, end: float) -> tuple[float, float]:
+    """Largest load up to an end, and the gauge there."""
+    at = np.append(x[x < end], end)
+    loads = np.interp(at, x, of[0])
+    k = loads.argmax()
+    return float(loads[k]), float(np.interp(at[k], x, of[1]))
+
+
+def _key(result: Result) -> str:
+    return str(result.folder or result.case.name)
 
 
 def _difference(a: float, b: float) -> float:

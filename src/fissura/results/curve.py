@@ -16,10 +16,13 @@ from fissura.errors import InputError
 if TYPE_CHECKING:
     from fissura.step import Step
 
-__all__ = ["COLUMNS", "Curve", "CurveWriter", "columns", "read_curve", "row"]
+__all__ = ["COLUMNS", "Curve", "CurveWriter", "Row", "columns", "read_curve", "row"]
 
 Curve = dict[str, NDArray[Any]]
-"""Column name -> 1-D array, one entry per step; int64 for counts, float64 for all others."""
+"""Column name -> 1-D array, one entry per step; int64 for counts, text, float64 for all others."""
+
+Row = dict[str, float | str]
+"""Column name -> its value in one step."""
 
 COLUMNS: tuple[str, ...] = (
     "step",
@@ -30,6 +33,7 @@ COLUMNS: tuple[str, ...] = (
     "fine_bodies",
     "refinements",
     "iterations",
+    "linear_iterations",
     "factorizations",
     "dissipated_J",
     "stored_J",
@@ -38,14 +42,23 @@ COLUMNS: tuple[str, ...] = (
     "residual",
     "cpu_s",
     "wall_s",
+    "control",
 )
 """Columns of ``curve.csv`` in order; the part after the last underscore is the unit, if there is one."""
 
-COUNTS = frozenset({"step", "bodies", "fine_bodies", "refinements", "iterations", "factorizations"})
+COUNTS = frozenset(
+    {"step", "bodies", "fine_bodies", "refinements", "iterations", "linear_iterations", "factorizations"}
+)
 """Columns of whole numbers."""
 
+TEXTS = frozenset({"control"})
+"""Columns of words."""
 
-def row(step: Step, cpu_s: float, wall_s: float) -> dict[str, float]:
+LATER = frozenset({"control", "linear_iterations"})
+"""Columns that the first files did not have."""
+
+
+def row(step: Step, cpu_s: float, wall_s: float) -> Row:
     """Row of the curve for one step.
 
     Parameters
@@ -69,6 +82,7 @@ def row(step: Step, cpu_s: float, wall_s: float) -> dict[str, float]:
         "fine_bodies": step.fine_bodies,
         "refinements": step.refinements,
         "iterations": step.iterations,
+        "linear_iterations": step.linear_iterations,
         "factorizations": step.factorizations,
         "dissipated_J": step.dissipated,
         "stored_J": step.stored,
@@ -77,10 +91,11 @@ def row(step: Step, cpu_s: float, wall_s: float) -> dict[str, float]:
         "residual": step.residual,
         "cpu_s": cpu_s,
         "wall_s": wall_s,
+        "control": step.control,
     }
 
 
-def columns(rows: Iterable[Mapping[str, float]]) -> Curve:
+def columns(rows: Iterable[Mapping[str, float | str]]) -> Curve:
     """Columns of a list of rows; arrays of length zero when there are none."""
     rows = list(rows)
     return {name: np.array([r[name] for r in rows], dtype=_dtype(name)) for name in COLUMNS}
@@ -101,9 +116,9 @@ class CurveWriter:
         self._writer.writerow(COLUMNS)
         self._file.flush()
 
-    def write(self, values: Mapping[str, float]) -> None:
+    def write(self, values: Mapping[str, float | str]) -> None:
         """Append one row and hand it to the operating system."""
-        self._writer.writerow([str(int(values[n])) if n in COUNTS else f"{values[n]:.12g}" for n in COLUMNS])
+        self._writer.writerow([_written(name, values[name]) for name in COLUMNS])
         self._file.flush()
 
     def close(self) -> None:
@@ -122,12 +137,13 @@ def read_curve(path: str | Path) -> Curve:
     Returns
     -------
     dict of str to (steps,) array
-        Every column of the file; those of `COLUMNS` are always there.
+        Every column of the file. Those of `COLUMNS` are there; only `LATER` ones are not where an earlier version
+        of Fissura wrote the file.
 
     Raises
     ------
     InputError
-        The file is missing, lacks a column, or has a row that is not made of numbers.
+        The file is missing, lacks a column, or has a word where a number belongs.
     """
     path = Path(path)
     if path.is_dir():
@@ -140,21 +156,22 @@ def read_curve(path: str | Path) -> Curve:
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(str(path), "is not a CSV text file", "a curve.csv of a Fissura run") from error
     names = [name.strip() for name in lines[0][1]] if lines else []
-    missing = [name for name in COLUMNS if name not in names]
+    missing = [name for name in COLUMNS if name not in names and name not in LATER]
     if missing:
         raise InputError(str(path), f"has no column {', '.join(missing)}", "a first line naming " + ",".join(COLUMNS))
-    table = np.array([_numbers(path, number, line, names) for number, line in lines[1:]], dtype=np.float64).reshape(
-        -1, len(names)
-    )
-    return {name: table[:, k].astype(_dtype(name)) for k, name in enumerate(names)}
+    rows = [_values(path, number, line, names) for number, line in lines[1:]]
+    return {name: np.array([values[k] for values in rows], dtype=_dtype(name)) for k, name in enumerate(names)}
 
 
-def _numbers(path: Path, number: int, line: list[str], names: list[str]) -> list[float]:
+def _values(path: Path, number: int, line: list[str], names: list[str]) -> list[float | str]:
     key = f"{path}, line {number}"
     if len(line) != len(names):
         raise InputError(key, f"has {len(line)} values", f"{len(names)} values, one for each column")
-    values = []
+    values: list[float | str] = []
     for name, text in zip(names, line, strict=True):
+        if name in TEXTS:
+            values.append(text.strip())
+            continue
         try:
             value = float(text)
         except ValueError:
@@ -165,5 +182,13 @@ def _numbers(path: Path, number: int, line: list[str], names: list[str]) -> list
     return values
 
 
-def _dtype(name: str) -> type[np.float64] | type[np.int64]:
+def _written(name: str, value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return str(int(value)) if name in COUNTS else f"{value:.12g}"
+
+
+def _dtype(name: str) -> type[np.float64] | type[np.int64] | type[np.str_]:
+    if name in TEXTS:
+        return np.str_
     return np.int64 if name in COUNTS else np.float64

@@ -21,12 +21,14 @@ __all__ = ["headline", "plot_comparison", "plot_curve", "tidy"]
 
 FloatArray = NDArray[np.float64]
 
-BLUE, ORANGE, GREY, INK = "#1f4e79", "#d1641b", "#c9ccd1", "#30343b"
+BLUE, LIGHT, ORANGE, GREY, INK = "#1f4e79", "#8fb8dc", "#d1641b", "#c9ccd1", "#30343b"
 DPI = 160
 
 
 def plot_curve(result: Result, path: Path) -> None:
     """Draw load over gauge: steps, peak, refinements, and the measured band if the case names one.
+
+    Steps in which dissipated energy led have lighter dots.
 
     Parameters
     ----------
@@ -43,7 +45,7 @@ def plot_curve(result: Result, path: Path) -> None:
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.add_subplot()
     gauge, load = result.gauge, result.load_values
-    x_scale, x_unit = _gauge_unit(float(gauge[-1]))
+    x_scale, x_unit = _gauge_unit(float(gauge.max()))
     y_scale, y_unit = _load_unit(float(np.abs(load).max()))
     if result.case.output.measured is not None:
         band = read_measured(result.case.output.measured)
@@ -67,6 +69,20 @@ def plot_curve(result: Result, path: Path) -> None:
         label="computed steps",
         zorder=3,
     )
+    led = result.led_by_energy
+    if led.any():
+        axes.plot(
+            gauge[led] * x_scale,
+            load[led] * y_scale,
+            linestyle="none",
+            marker="o",
+            markersize=3.4,
+            color=LIGHT,
+            markeredgecolor=BLUE,
+            markeredgewidth=0.6,
+            label="led by energy",
+            zorder=3.5,
+        )
     refined = gauge[result.curve["refinements"] > 0]
     if len(refined):
         axes.vlines(
@@ -79,11 +95,12 @@ def plot_curve(result: Result, path: Path) -> None:
             label="refinement",
             zorder=2,
         )
-    axes.set_xlim(0.0, 1.02 * gauge[-1] * x_scale)
+    farthest = 1.02 * float(gauge.max())
+    axes.set_xlim(min(0.0, 1.02 * float(gauge.min()) * x_scale), farthest * x_scale if farthest > 0 else None)
     # Headroom for the note at the peak; the part of the band beyond the run counts, too, where it shows.
     top = max(float(load.max()) * y_scale, 0.0)
     if result.case.output.measured is not None:
-        seen = band.gauge <= 1.02 * gauge[-1]
+        seen = band.gauge <= farthest
         top = max(top, float(np.max(band.upper[seen], initial=0.0)) * y_scale)
     axes.set_ylim(min(0.0, 1.08 * float(load.min()) * y_scale), 1.16 * top if top > 0 else None)
     _note_peak(axes, float(gauge[load.argmax()]), float(load.max()), x_scale, y_scale)
@@ -98,10 +115,11 @@ def plot_curve(result: Result, path: Path) -> None:
 def plot_comparison(comparison: Comparison, path: Path) -> None:
     """Draw two curves, and below them the difference of their loads as per cent of the reference's peak."""
     figure = Figure(figsize=(7.2, 5.6), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    a, b, gauge = comparison.a, comparison.b, comparison.gauge
-    x_scale, x_unit = _gauge_unit(max(float(a.gauge[-1]), float(b.gauge[-1])))
-    y_scale, y_unit = _load_unit(float(comparison.load_b.max()))
+    by_gauge = comparison.over == "gauge"
+    upper, lower = figure.subplots(2, 1, sharex=by_gauge, height_ratios=(3, 1))
+    a, b = comparison.a, comparison.b
+    x_scale, x_unit = _gauge_unit(max(float(a.gauge.max()), float(b.gauge.max())))
+    y_scale, y_unit = _load_unit(comparison.peaks[1])
     for run, colour, style, width in ((b, GREY, "-", 3.6), (a, BLUE, "-", 1.4)):
         upper.plot(
             np.append(0.0, run.gauge) * x_scale,
@@ -111,15 +129,20 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
             linewidth=width,
             label=f"{'A' if run is a else 'B'}: {_kind(run)}",
         )
-    reference = comparison.load_b.max()
-    share = 100 * (comparison.load_a - comparison.load_b) / reference if reference else 0 * gauge
+    reference = comparison.peaks[1]
+    share = 100 * (comparison.load_a - comparison.load_b) / reference if reference else 0 * comparison.load_b
+    over_scale, over_unit = (x_scale, x_unit) if by_gauge else _energy_unit(float(comparison.abscissa[-1]))
+    over = comparison.abscissa * over_scale
     lower.axhline(0.0, color=INK, linewidth=0.8)
-    lower.fill_between(gauge * x_scale, share, color=BLUE, alpha=0.25, linewidth=0)
-    lower.plot(gauge * x_scale, share, color=BLUE, linewidth=1.2)
+    lower.fill_between(over, share, color=BLUE, alpha=0.25, linewidth=0)
+    lower.plot(over, share, color=BLUE, linewidth=1.2)
     limit = max(1.25 * float(np.abs(share).max()), 0.1)
     lower.set_ylim(-limit, limit)
     lower.set_ylabel("A − B\n[% of peak]")
-    lower.set_xlabel(f"{_gauge_name(b)} [{x_unit}]")
+    (lower if by_gauge else upper).set_xlabel(f"{_gauge_name(b)} [{x_unit}]")
+    if not by_gauge:
+        lower.set_xlabel(f"{comparison.over} [{over_unit}]")
+        upper.set_xlim(left=min(0.0, 1.02 * float(min(a.gauge.min(), b.gauge.min())) * x_scale))
     lower.set_xlim(left=0.0)
     upper.set_ylabel(f"load [{y_unit}]")
     least = min(0.0, float(a.load_values.min()), float(b.load_values.min())) * y_scale
@@ -186,7 +209,7 @@ def _legend(axes: Axes, gauge: FloatArray, load: FloatArray) -> None:
     falls = load[-1] < 0.6 * load.max()
     anchor: dict[str, Any] = (
         {"loc": "upper right", "bbox_to_anchor": (1.0, 0.9)}
-        if falls and gauge[load.argmax()] < 0.5 * gauge[-1]
+        if falls and gauge[load.argmax()] < 0.5 * gauge.max()
         else {"loc": "lower right", "bbox_to_anchor": (1.0, 0.06)}
     )
     axes.legend(fontsize=9, labelcolor=INK, edgecolor="none", framealpha=0.85, **anchor)
@@ -200,11 +223,15 @@ def _kind(result: Result) -> str:
 
 
 def _gauge_name(result: Result) -> str:
-    return "gauge opening" if result.case.control.type == "gauge" else "prescribed displacement"
+    return "gauge opening" if result.case.quantity == "gauge" else "displacement of the load"
 
 
 def _gauge_unit(largest: float) -> tuple[float, str]:
     return (1e6, "µm") if largest < 1e-3 else (1e3, "mm")
+
+
+def _energy_unit(largest: float) -> tuple[float, str]:
+    return (1e3, "mJ") if largest < 1.0 else (1.0, "J")
 
 
 def _load_unit(largest: float) -> tuple[float, str]:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fissura.errors import InputError
-from fissura.results.curve import CurveWriter, columns, row
+from fissura.results.curve import CurveWriter, Row, columns, row
+from fissura.results.done import Done
 from fissura.results.result import Result
 from fissura.results.state import write_state
 from fissura.results.summary import build_summary, write_atomically, write_summary
@@ -43,8 +44,8 @@ class Recorder:
     """Keeps what matters of every step, and writes it as the run goes on.
 
     The curve and the summary are up to date on disk after every step, so that a run that is killed keeps
-    them. Snapshots are kept for the steps at or first past ``k/n`` of the control's target
-    (``n = case.output.vtk``), for the peak load, and for the last step; no others.
+    them. Snapshots are kept for the steps at or first past ``k/n`` of the run's end (``n = case.output.vtk``, see
+    `fissura.results.done.Done`), for the peak load, and for the last step; no others.
 
     Parameters
     ----------
@@ -64,7 +65,8 @@ class Recorder:
         self._simulation = simulation
         self._cpu_start: float = getattr(simulation, "cpu_start", time.process_time())
         self._wall_start: float = getattr(simulation, "wall_start", time.perf_counter())
-        self._rows: list[dict[str, float]] = []
+        self._rows: list[Row] = []
+        self._done = Done(simulation.case)
         self._passed = 0
         self._chosen: dict[int, Step] = {}
         self._written: dict[int, float] = {}
@@ -88,7 +90,7 @@ class Recorder:
         self._last = step
         if self._peak is None or step.load > self._peak.load:
             self._peak = step
-        due = self._due(step.gauge)
+        due = self._due(self._done.after(step))
         if due:
             self._chosen[step.number] = step
         if self._curve is not None:
@@ -140,13 +142,12 @@ class Recorder:
             # The measured band has gone since the start; the results are worth more than the picture.
             logger.warning("curve.png was not drawn: %s", error)
 
-    def _due(self, gauge: float) -> bool:
-        """Whether another of the evenly spaced gauge values was reached."""
-        case = self._simulation.case
-        total, before = case.output.vtk, self._passed
+    def _due(self, share: float) -> bool:
+        """Whether another of the evenly spaced shares of the run was reached."""
+        total, before = self._simulation.case.output.vtk, self._passed
         while self._passed < total:
             # The last step ends on the target up to round-off.
-            if gauge < (self._passed + 1) / total * case.control.target * (1 - 1e-9):
+            if share < (self._passed + 1) / total * (1 - 1e-9):
                 break
             self._passed += 1
         return self._passed > before

@@ -82,13 +82,19 @@ class Result:
 
     @property
     def gauge(self) -> NDArray[np.float64]:
-        """Gauge at every step [m], shape (steps,)."""
+        """Controlled quantity at every step [m], shape (steps,); it turns back where there is snap-back."""
         return self.curve["gauge_m"].astype(np.float64)
 
     @property
     def load_values(self) -> NDArray[np.float64]:
         """Load at every step [N], shape (steps,)."""
         return self.curve["load_N"].astype(np.float64)
+
+    @property
+    def led_by_energy(self) -> NDArray[np.bool_]:
+        """Whether dissipated energy led in a step, shape (steps,); never in files of before there was that choice."""
+        led = self.curve.get("control")
+        return np.zeros(self.steps, dtype=np.bool_) if led is None else led == "dissipation"
 
     @property
     def steps(self) -> int:
@@ -132,6 +138,7 @@ class Result:
         """Rows of name and value that describe the run."""
         s, number = self.summary, self._number
         kind = "full resolution" if self.full else f"adaptive ({s.get('criterion')})"
+        led = f" ({s['steps_led_by_energy']} led by energy)" if s.get("steps_led_by_energy") else ""
         bodies = " → ".join(text.count(number(key)) for key in ("bodies_start", "bodies_end"))
         return [
             ("case", f"{s.get('case')}, seed {s.get('seed')}, {kind}"),
@@ -147,7 +154,7 @@ class Result:
             ("bodies", f"{bodies} (full: {text.count(number('bodies_full'))})"),
             (
                 "steps",
-                f"{self.steps} with {s.get('refinements')} refinements, {s.get('iterations')} iterations",
+                f"{self.steps}{led} with {s.get('refinements')} refinements, {s.get('iterations')} iterations",
             ),
             ("time", f"{text.seconds(number('wall_s'))} ({text.seconds(number('cpu_s'))} of processor)"),
             ("memory", f"{number('peak_memory_MB'):.0f} MB"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
@@ -118,12 +119,16 @@ def write_series(folder: Path, gauges: Mapping[int, float]) -> None:
     folder : Path
         The result folder.
     gauges : mapping of int to float
-        Gauge [m] of every step that was written, shown by ParaView as the time.
+        Gauge [m] of every step that was written, shown by ParaView as the time; where it turns back from one of them
+        to the next, the number of the step is shown instead.
     """
+    numbers = sorted(gauges)
+    grows = all(gauges[a] < gauges[b] for a, b in pairwise(numbers))
+    times = gauges if grows else {number: float(number) for number in numbers}
     for kind in ("bodies", "contacts"):
         entries = "".join(
-            f'    <DataSet timestep="{gauge:.9g}" part="0" file={quoteattr(file_name(kind, number))}/>\n'
-            for number, gauge in sorted(gauges.items())
+            f'    <DataSet timestep="{times[number]:.9g}" part="0" file={quoteattr(file_name(kind, number))}/>\n'
+            for number in numbers
         )
         text = (
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'

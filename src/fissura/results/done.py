@@ -1,0 +1,49 @@
+"""How much of a run is done, as one number that never falls."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+    from fissura.step import Step
+
+__all__ = ["Done"]
+
+
+class Done:
+    """Share of a run that is done: the largest so far of two, for a run ends by either.
+
+    One is the share of the target that the controlled quantity has reached. The other, where dissipated energy leads by
+    choice or ``stop_load`` is above 0, is the share of the load's fall from its peak to ``stop_load``.
+
+    Parameters
+    ----------
+    case : Case
+        What is run.
+    """
+
+    def __init__(self, case: Case) -> None:
+        self._target, self._stop_load = case.control.target, case.control.stop_load
+        self._by_load = case.control.type == "dissipation" or self._stop_load > 0.0
+        self.peak = 0.0
+        self.share = 0.0
+
+    def after(self, step: Step) -> float:
+        """Take note of an accepted step.
+
+        Attributes ``peak`` (largest magnitude of the load so far [N]) and ``share`` are up to date then.
+
+        Returns
+        -------
+        float
+            The share after this step, from 0 to 1.
+        """
+        load = abs(step.load)
+        self.peak = max(self.peak, load)
+        shares = [self.share, step.gauge / self._target]
+        if self._by_load and load < self.peak:
+            lost, all_of_it = 1.0 - load / self.peak, 1.0 - self._stop_load
+            shares.append(lost / all_of_it if lost < all_of_it else 1.0)
+        self.share = min(max(shares), 1.0)
+        return self.share
