@@ -26,7 +26,7 @@ from fissura.adaptivity import (
 from fissura.contact import law_from_case
 from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, settle
 from fissura.errors import InputError, RunStopped
-from fissura.material import material_from_case
+from fissura.material import check_not_everywhere, elastic_from_case, material_from_case
 from fissura.specimen import conditions_from_case, specimen_from_case
 from fissura.step import Snapshot, Step
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case
@@ -109,7 +109,9 @@ class Simulation:
         self._material = material_from_case(case)
         self._box = specimen_from_case(case)
         self._conditions = conditions_from_case(case, self._box)
+        self._elastic = elastic_from_case(case)
         self._nuclei = nuclei_from_case(case, self._box)
+        check_not_everywhere(self._elastic, self._nuclei.x)
         self._region = region_from_case(case, self._box, full=full)
         self.tessellation = self._discretize(self._region)
         self._system = self._equations(self.tessellation)
@@ -127,7 +129,7 @@ class Simulation:
         return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x), previous)
 
     def _equations(self, tessellation: Tessellation) -> System:
-        return System(tessellation, self._material, self._law, self._conditions, self.case.solver.linear)
+        return System(tessellation, self._material, self._law, self._conditions, self.case.solver.linear, self._elastic)
 
     def _calibrated(self, system: System) -> System:
         """The equations of a discretization, their elastic part calibrated when the case asks for that."""
@@ -217,6 +219,7 @@ class Simulation:
                 stress,
                 np.full(len(system.tessellation), self._material.f_t),
                 utilisation,
+                self._elastic.contains(system.tessellation.x),
             )
             criterion = np.where(system.tessellation.fine, np.nan, self._criterion(state))
             critical = np.nan_to_num(criterion) > self.case.adaptivity.gamma

@@ -14,12 +14,12 @@ from fissura.tessellation import tessellate
 X = np.array([[0.01, 0.02, 0.02], [0.05, 0.02, 0.02], [0.09, 0.02, 0.02]])
 
 
-def state(stress=None, strength=2.0, utilisation=(0.0, 0.0)):
+def state(stress=None, strength=2.0, utilisation=(0.0, 0.0), elastic=(False, False, False)):
     """Three bodies in a row, two contacts."""
     t = tessellate(X, Box((0.12, 0.04, 0.04)), np.full(3, 0.1))
     assert_array_equal(t.contacts.bodies, [[0, 1], [1, 2]])
     stress = np.zeros((3, 3, 3)) if stress is None else stress
-    return ElasticState(t, stress, np.broadcast_to(strength, 3), np.asarray(utilisation))
+    return ElasticState(t, stress, np.broadcast_to(strength, 3), np.asarray(utilisation), np.asarray(elastic))
 
 
 def test_rankine_is_the_largest_principal_stress():
@@ -33,6 +33,11 @@ def test_rankine_in_pure_shear_and_with_a_strength_of_its_own():
     stress = np.zeros((3, 3, 3))
     stress[:, 0, 1] = stress[:, 1, 0] = 4.0
     assert_allclose(criterion_named("rankine")(state(stress, np.array([4.0, 2.0, 1.0]))), [1.0, 2.0, 4.0])
+
+
+def test_rankine_does_not_look_into_elastic_regions():
+    stress = 4.0 * np.tile(np.eye(3), (3, 1, 1))
+    assert_allclose(criterion_named("rankine")(state(stress, elastic=(False, True, False))), [2.0, 0.0, 2.0])
 
 
 def test_utilisation_is_the_worst_contact():

@@ -2,7 +2,7 @@
 
 Elastic behaviour does not depend on body size in the bulk (theory section 2), but a layer one body thick along every
 surface is biased, and coarse bodies have thick layers. One elastic solution at full resolution removes what this does
-to the measured stiffness: elastic contacts of every coarser discretization of the specimen get one common factor on
+to the measured stiffness: coarse contacts of every coarser discretization of the specimen get one common factor on
 their stiffness, such that the gauge opens under unit load exactly as at full resolution.
 """
 
@@ -32,7 +32,7 @@ def gauge_compliance(system: System) -> float:
 def calibrated(system: System, target: float) -> System:
     """Calibrate a system so that its undamaged gauge compliance is the given one.
 
-    Compliance is close to linear in the inverse of the factor; the slope is the mutual energy of the elastic contacts
+    Compliance is close to linear in the inverse of the factor; the slope is the mutual energy of the coarse contacts
     under the load and under a unit force at the gauge.
 
     Parameters
@@ -45,10 +45,10 @@ def calibrated(system: System, target: float) -> System:
     Returns
     -------
     System
-        The same equations with elastic contacts scaled.
+        The same equations with coarse contacts scaled.
     """
     for _ in range(4):
-        if not len(system.passive):
+        if not len(system.coarse):
             break
         system.symmetric.factor(system.secant(system.virgin()))
         solutions = system.symmetric.solve(np.stack([system.load, system.control], axis=1))

@@ -32,19 +32,22 @@ class ElasticState:
     strength : (n,) array
         Tensile strength at the bodies [Pa].
     utilisation : (m,) array
-        Effective traction over strength of elastic contacts; 0 for contacts with damage.
+        Effective traction over strength of elastic contacts; 0 for contacts with damage, and in elastic regions.
+    elastic : (n,) bool array
+        Bodies whose nucleus lies in an elastic region.
     """
 
     tessellation: Tessellation
     stress: FloatArray
     strength: FloatArray
     utilisation: FloatArray
+    elastic: NDArray[np.bool_]
 
 
 def rankine(state: ElasticState) -> FloatArray:
-    """Largest principal stress of each body over its tensile strength."""
+    """Largest principal stress of each body over its tensile strength; 0 in elastic regions."""
     principal = np.linalg.eigvalsh(state.stress)[:, -1]
-    return np.asarray(principal / state.strength, dtype=np.float64)
+    return np.where(state.elastic, 0.0, principal / state.strength)
 
 
 def utilisation(state: ElasticState) -> FloatArray:

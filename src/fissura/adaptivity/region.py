@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fissura.material import Regions
+
 if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.specimen import Box
@@ -73,12 +75,8 @@ class RefinedRegion:
             along = b - a
             t = np.clip((x - a) @ along / (along @ along), 0.0, 1.0)
             nearest = np.minimum(nearest, np.linalg.norm(x - a - t[:, None] * along, axis=1) - self.r_f)
-        for center, radius in zip(self.balls, self.radii, strict=True):
-            nearest = np.minimum(nearest, np.linalg.norm(x - center, axis=1) - radius)
-        for low, high in zip(self.lower, self.upper, strict=True):
-            outside = np.maximum(np.maximum(low - x, x - high), 0.0)
-            nearest = np.minimum(nearest, np.linalg.norm(outside, axis=1))
-        return nearest
+        given = Regions(self.balls, self.radii, self.lower, self.upper).distance(x)
+        return np.asarray(np.minimum(nearest, given), dtype=np.float64)
 
     def spacing(self, x: FloatArray) -> FloatArray:
         """Wanted spacing at points [m], 0 inside the region; (n, 3) -> (n,)."""
@@ -91,17 +89,16 @@ def region_from_case(case: Case, box: Box, *, full: bool) -> RefinedRegion:
     """The region that is fine from the start."""
     part, sizes = case.adaptivity, case.discretization
     lines = [notch.tip_lines() for notch in box.notches] if part.notch_tips else []
-    balls = [r for r in part.regions if r.type == "ball"]
-    boxes = [r for r in part.regions if r.type == "box"]
+    regions = Regions.from_parts(part.regions)
     return RefinedRegion(
         sizes.l_f,
         sizes.l_c,
         part.r_f,
         part.r_c - part.r_f,
         lines=np.concatenate([_empty(0, 2, 3), *lines]),
-        balls=np.array([r.center for r in balls]).reshape(-1, 3),
-        radii=np.array([r.radius for r in balls], dtype=float),
-        lower=np.array([r.lower for r in boxes]).reshape(-1, 3),
-        upper=np.array([r.upper for r in boxes]).reshape(-1, 3),
+        balls=regions.balls,
+        radii=regions.radii,
+        lower=regions.lower,
+        upper=regions.upper,
         everywhere=full,
     )

@@ -128,6 +128,31 @@ class Gauge(Part):
     direction: Direction | None = Field(default=None, description="three numbers")
 
 
+class BallRegion(Part):
+    """Ball-shaped part of space."""
+
+    type: Literal["ball"]
+    center: Point = Field(description="three lengths")
+    radius: PositiveLength = Field(description='a length such as "50 mm"')
+
+
+class BoxRegion(Part):
+    """Box-shaped part of space, its sides along the axes."""
+
+    type: Literal["box"]
+    lower: Point = Field(description="three lengths")
+    upper: Point = Field(description="three lengths")
+
+    @model_validator(mode="after")
+    def _lower_below_upper(self) -> Self:
+        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
+            fail("is not above lower along every axis", "three lengths, each above that of lower", "upper")
+        return self
+
+
+Region = Annotated[BallRegion | BoxRegion, Field(discriminator="type")]
+
+
 class Material(Part):
     """Constants of the contact law (theory section 3)."""
 
@@ -143,6 +168,7 @@ class Material(Part):
     mu: Factor = 0.2
     beta: Factor = 1.0
     n_c: Factor = 2.0
+    elastic: Annotated[tuple[Region, ...], BeforeValidator(as_tuple)] = ()
 
 
 class Discretization(Part):
@@ -157,31 +183,6 @@ class Discretization(Part):
         if self.l_f > self.l_c:
             fail(f"{self.l_f:g} m is larger than l_c = {self.l_c:g} m", "l_f at most l_c", "l_f")
         return self
-
-
-class BallRegion(Part):
-    """Ball that is fine from the start."""
-
-    type: Literal["ball"]
-    center: Point = Field(description="three lengths")
-    radius: PositiveLength = Field(description='a length such as "50 mm"')
-
-
-class BoxRegion(Part):
-    """Box that is fine from the start."""
-
-    type: Literal["box"]
-    lower: Point = Field(description="three lengths")
-    upper: Point = Field(description="three lengths")
-
-    @model_validator(mode="after")
-    def _lower_below_upper(self) -> Self:
-        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
-            fail("is not above lower along every axis", "three lengths, each above that of lower", "upper")
-        return self
-
-
-Region = Annotated[BallRegion | BoxRegion, Field(discriminator="type")]
 
 
 class Adaptivity(Part):

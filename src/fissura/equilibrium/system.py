@@ -23,7 +23,7 @@ from fissura.equilibrium.attach import attach, attach_rows, owners
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.symmetric import SymmetricSolver
-from fissura.material import Material
+from fissura.material import Material, Regions
 from fissura.specimen import Conditions
 from fissura.tessellation import Tessellation
 
@@ -45,6 +45,8 @@ _SPIN_STIFFNESS = 1e-6
 
 #: Stiffness relative to the elastic one that is the same but for round-off.
 _SAME = 1e-13
+
+_NOWHERE = Regions()
 
 
 @dataclass(frozen=True)
@@ -85,11 +87,17 @@ class System:
         Supports, load and controlled quantity.
     linear : str
         Linear solver, see :class:`SymmetricSolver`.
+    elastic : Regions
+        Contacts whose centroid lies there never get damage.
 
     Attributes
     ----------
+    active, passive : (k,), (m - k,) arrays
+        Contacts with the damage law, which are fine and outside elastic regions, and all others.
+    coarse : (c,) array
+        Contacts that are not fine.
     elastic_scale : float
-        Factor on the stiffness of elastic contacts; 1 unless made by :meth:`scaled`.
+        Factor on the stiffness of coarse contacts; 1 unless made by :meth:`scaled`.
     """
 
     def __init__(
@@ -99,16 +107,20 @@ class System:
         law: type[CusatisCedolin],
         conditions: Conditions,
         linear: str = "auto",
+        elastic: Regions = _NOWHERE,
     ) -> None:
         contacts = tessellation.contacts
         self.tessellation = tessellation
         self.material = material
         self.geometry: Kinematics = kinematics(tessellation)
-        self.active: IntArray = np.flatnonzero(contacts.fine)
-        self.passive: IntArray = np.flatnonzero(~contacts.fine)
+        may_crack = ~elastic.contains(contacts.centroid)
+        self.active: IntArray = np.flatnonzero(contacts.fine & may_crack)
+        self.passive: IntArray = np.flatnonzero(~(contacts.fine & may_crack))
+        self.coarse: IntArray = np.flatnonzero(~contacts.fine)
+        self._guarded: IntArray = np.flatnonzero(~contacts.fine & may_crack)
         self.law = law.create(material, contacts.length[self.active])
-        # Elastic contacts have no softening and hence no limit on their length: only their strength is asked for.
-        self.elastic_law = law.create(material, np.full(len(self.passive), contacts.length.min()))
+        # Coarse contacts have no softening and hence no limit on their length: only their strength is asked for.
+        self.elastic_law = law.create(material, np.full(len(self._guarded), contacts.length.min()))
         self.elastic_scale = 1.0
         self.moduli = self._moduli(1.0)
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
@@ -135,11 +147,11 @@ class System:
     def _moduli(self, elastic_scale: float) -> FloatArray:
         """Stiffness of the three strain components of every contact [Pa], shape (m, 3)."""
         moduli = np.tile(self.law.elastic, (len(self.geometry), 1))
-        moduli[self.passive] *= elastic_scale
+        moduli[self.coarse] *= elastic_scale
         return moduli
 
     def scaled(self, elastic_scale: float) -> System:
-        """The same equations with another factor on the stiffness of elastic contacts; everything else is shared."""
+        """The same equations with another factor on the stiffness of coarse contacts; everything else is shared."""
         other = copy(self)
         other.elastic_scale = elastic_scale
         other.moduli = other._moduli(elastic_scale)
@@ -249,9 +261,9 @@ class System:
         return np.asarray(0.5 * self.geometry.volume * work, dtype=np.float64)
 
     def elastic_utilisation(self, response: Response) -> FloatArray:
-        """Effective traction over strength of elastic contacts, 0 for those with damage; shape (m,)."""
+        """Effective traction over strength of coarse contacts, 0 for fine ones and in elastic regions; shape (m,)."""
         out = np.zeros(len(self.geometry))
-        out[self.passive] = self.elastic_law.utilisation(self.elastic_scale * response.strain[self.passive])
+        out[self._guarded] = self.elastic_law.utilisation(self.elastic_scale * response.strain[self._guarded])
         return out
 
     def stress(self, response: Response, load: float) -> FloatArray:
@@ -269,7 +281,7 @@ class System:
         )
 
     def elastic_share(self, solutions: FloatArray) -> float:
-        """Part of the undamaged gauge compliance that is due to elastic contacts [m/N].
+        """Part of the undamaged gauge compliance that is due to coarse contacts [m/N].
 
         Parameters
         ----------
@@ -278,4 +290,4 @@ class System:
         """
         a, b = (contact_strains(self.geometry, np.ascontiguousarray(u).reshape(-1, 6)) for u in solutions.T)
         each = self.geometry.volume * np.einsum("ca,ca,ca->c", a, self.moduli, b)
-        return float(each[self.passive].sum())
+        return float(each[self.coarse].sum())

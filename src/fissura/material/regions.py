@@ -1,0 +1,117 @@
+"""Regions of a specimen, balls and boxes: where the material stays elastic, where it is fine from the start."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+
+if TYPE_CHECKING:
+    from fissura.case import BallRegion, BoxRegion, Case
+
+__all__ = ["Regions", "check_not_everywhere", "elastic_from_case"]
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+_KEY = "material.elastic"
+
+
+def _empty(*shape: int) -> FloatArray:
+    return np.empty(shape)
+
+
+@dataclass(frozen=True)
+class Regions:
+    """Union of balls and boxes; nothing by default.
+
+    Attributes
+    ----------
+    balls, radii : (b, 3), (b,) arrays
+        Centres and radii [m].
+    lower, upper : (q, 3) arrays
+        Corners of boxes [m].
+    """
+
+    balls: FloatArray = field(default_factory=lambda: _empty(0, 3))
+    radii: FloatArray = field(default_factory=lambda: _empty(0))
+    lower: FloatArray = field(default_factory=lambda: _empty(0, 3))
+    upper: FloatArray = field(default_factory=lambda: _empty(0, 3))
+
+    @classmethod
+    def from_parts(cls, parts: Sequence[BallRegion | BoxRegion]) -> Regions:
+        """Regions as a case lists them."""
+        balls = [part for part in parts if part.type == "ball"]
+        boxes = [part for part in parts if part.type == "box"]
+        return cls(
+            np.array([part.center for part in balls]).reshape(-1, 3),
+            np.array([part.radius for part in balls], dtype=float),
+            np.array([part.lower for part in boxes]).reshape(-1, 3),
+            np.array([part.upper for part in boxes]).reshape(-1, 3),
+        )
+
+    def __len__(self) -> int:
+        return len(self.balls) + len(self.lower)
+
+    def distance(self, x: FloatArray) -> FloatArray:
+        """Distance of points from the nearest region [m], zero or negative inside; (n, 3) -> (n,)."""
+        nearest = np.full(len(x), np.inf)
+        for center, radius in zip(self.balls, self.radii, strict=True):
+            nearest = np.minimum(nearest, np.linalg.norm(x - center, axis=1) - radius)
+        for low, high in zip(self.lower, self.upper, strict=True):
+            outside = np.maximum(np.maximum(low - x, x - high), 0.0)
+            nearest = np.minimum(nearest, np.linalg.norm(outside, axis=1))
+        return nearest
+
+    def contains(self, x: FloatArray) -> BoolArray:
+        """Whether points lie in a region, its surface included; (n, 3) -> (n,)."""
+        return np.asarray(self.distance(x) <= 0.0, dtype=np.bool_)
+
+    def overlaps(self, size: Sequence[float]) -> bool:
+        """Whether part of the box ``[0, size]`` [m] lies in a region; touching its surface does not count."""
+        high = np.asarray(size)
+        gap = np.linalg.norm(self.balls - np.clip(self.balls, 0.0, high), axis=1)
+        return bool((gap < self.radii).any() or np.all((self.lower < high) & (self.upper > 0.0), axis=1).any())
+
+
+def elastic_from_case(case: Case) -> Regions:
+    """Regions of a case where contacts never get damage.
+
+    Raises
+    ------
+    InputError
+        A region lies outside the specimen.
+    """
+    parts, size = case.material.elastic, case.specimen.size
+    for k, part in enumerate(parts):
+        if not Regions.from_parts([part]).overlaps(size):
+            raise InputError(
+                f"{_KEY}[{k}]" if len(parts) > 1 else _KEY,
+                f"the {part.type} lies outside the specimen",
+                f"a region that overlaps the specimen, 0 to {' x '.join(f'{s:g}' for s in size)} m",
+            )
+    return Regions.from_parts(parts)
+
+
+def check_not_everywhere(elastic: Regions, x: FloatArray) -> None:
+    """Some of the specimen must be able to crack.
+
+    Parameters
+    ----------
+    elastic : Regions
+        Where contacts never get damage.
+    x : (n, 3) array
+        All fine nuclei [m].
+
+    Raises
+    ------
+    InputError
+        All nuclei lie in elastic regions.
+    """
+    if elastic.contains(x).all():
+        raise InputError(_KEY, "covers the whole specimen, so that nothing can crack", "regions that leave some out")
