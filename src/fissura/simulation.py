@@ -42,6 +42,9 @@ _log = logging.getLogger(__name__)
 #: Refinements of one step before the run is given up; each must add bodies, so this only stops a runaway.
 _MOST_REFINEMENTS = 60
 
+#: Error of the initial stiffness that is accepted after calibration.
+_STIFFNESS_ERROR = 0.02
+
 #: Share of gamma from which bodies are refined along with critical ones.
 _AHEAD = 0.85
 
@@ -149,6 +152,16 @@ class Simulation:
             raise InputError(
                 "supports", f"the structure is a mechanism ({error})", "supports that hold all of the specimen"
             ) from error
+        if self._compliance is not None:
+            off = self.initial_stiffness * self._compliance - 1.0
+            if abs(off) > _STIFFNESS_ERROR:
+                kind = f"{abs(off):.0%} too {'stiff' if off > 0.0 else 'soft'}"
+                raise InputError(
+                    "discretization.l_c",
+                    f"{self.case.discretization.l_c:g} m: the start is {kind} against full resolution, more than"
+                    " calibration can mend",
+                    "a smaller l_c, or a larger adaptivity.r_f (adaptivity.calibrate = false runs it all the same)",
+                )
         rest = system.response(np.zeros(system.size), system.virgin())
         return _Path(system, Equilibrium(rest, 0.0, 0.0))
 
@@ -176,7 +189,7 @@ class Simulation:
                 step, last = attempt
                 follower.succeeded(goal, last, step.gauge - value, path.dissipated - dissipated, step.gauge)
                 yield step
-            elif not follower.failed():
+            elif not follower.failed(unloaded=path.now.load == 0.0):
                 raise RunStopped(
                     f"no equilibrium within {control.max_iterations} iterations, even with a step of"
                     f" {follower.length:.3g} m (control.min_step is {control.min_step:.3g} m)",

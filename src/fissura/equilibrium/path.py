@@ -164,8 +164,14 @@ class PathFollower:
         if self._always and dissipated >= _DAMAGE_BEGINS * self._energy.longest:
             self._take_over()
 
-    def failed(self) -> bool:
-        """Take note of a step that was not accepted; False when nothing is left to try."""
+    def failed(self, *, unloaded: bool = False) -> bool:
+        """Take note of a step that was not accepted; False when nothing is left to try.
+
+        Parameters
+        ----------
+        unloaded : bool
+            The step began without load: energy cannot lead from there.
+        """
         self._failures += 1
         if self._leads:
             shorter = self._energy.halved()
@@ -175,7 +181,7 @@ class PathFollower:
                 self._leads, self._jumping, self._failures = False, True, _CUTS
             return True
         shorter = self._gauge.halved()
-        if self._may_switch and not self._jumping:
+        if self._may_switch and not self._jumping and not unloaded:
             if self._damaging or self._failures > _ELASTIC_CUTS or shorter is None:
                 self._take_over()
             else:
