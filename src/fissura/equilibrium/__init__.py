@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from fissura.equilibrium.attach import attach, owners
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
-from fissura.equilibrium.direct import SOLVERS, SingularMatrixError, best_solver
+from fissura.equilibrium.direct import SOLVERS, best_solver
+from fissura.equilibrium.linear import SingularMatrixError
 from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
 from fissura.equilibrium.path import Goal, PathFollower
 from fissura.equilibrium.steps import StepLength

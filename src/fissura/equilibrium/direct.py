@@ -20,7 +20,7 @@ try:  # its wheels exist for x86 only
 except ImportError:
     pymklpardiso = None
 
-__all__ = ["SOLVERS", "MklPardiso", "SingularMatrixError", "SuperLU", "best_solver"]
+__all__ = ["SOLVERS", "MklPardiso", "SuperLU", "best_solver"]
 
 FloatArray = NDArray[np.float64]
 

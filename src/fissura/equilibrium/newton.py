@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.equilibrium.constraint import Constraint, holding
-from fissura.equilibrium.direct import SingularMatrixError
 from fissura.equilibrium.krylov import dot, norm
+from fissura.equilibrium.linear import SingularMatrixError
 from fissura.equilibrium.system import Response, System
 from fissura.equilibrium.tangent import TangentSolver
 

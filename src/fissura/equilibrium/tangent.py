@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from fissura.contact import add_stiffness
 from fissura.equilibrium.constraint import Constraint
-from fissura.equilibrium.direct import SingularMatrixError
 from fissura.equilibrium.krylov import dot, gmres, norm
+from fissura.equilibrium.linear import SingularMatrixError
 from fissura.equilibrium.system import Response, System
 
 __all__ = ["TangentSolver"]

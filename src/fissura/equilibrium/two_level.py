@@ -26,7 +26,7 @@ from fissura.equilibrium.blocks import (
 from fissura.equilibrium.clusters import bisected, connected, intact, link_stiffness
 from fissura.equilibrium.coarse import CoarseSpace
 from fissura.equilibrium.coarse_solver import CoarseSolver
-from fissura.equilibrium.direct import SingularMatrixError
+from fissura.equilibrium.linear import SingularMatrixError
 from fissura.equilibrium.low_rank import LowRank
 
 __all__ = ["TwoLevel"]
