@@ -34,6 +34,14 @@ def _subtract_product(target, a, b):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
+def _copy(source, target):  # type: ignore[no-untyped-def]
+    """Entry by entry: array assignment would have to compile what it says when shapes differ."""
+    for p in range(6):
+        for q in range(6):
+            target[p, q] = source[p, q]
+
+
+@njit(cache=True)
 def _cholesky(block, original, smallest, low, out):  # type: ignore[no-untyped-def]
     """Inverse of the lower Cholesky factor; False when a pivot is too small."""
     for p in range(6):
@@ -80,7 +88,7 @@ def _factor(indptr, indices, matrix, added, share, last_try, smallest, out):  # 
                     own[p, q] += share * added[i, p, q]
         for k in range(begin, last):
             j = indices[k]
-            block[:] = matrix[k]
+            _copy(matrix[k], block)
             end = indptr[j + 1] - 1
             for m in range(indptr[j], end):
                 common = where[indices[m]]
@@ -93,7 +101,7 @@ def _factor(indptr, indices, matrix, added, share, last_try, smallest, out):  # 
                     for r in range(q + 1):
                         s += block[p, r] * diagonal[q, r]
                     block[p, q] = s
-            out[k] = block
+            _copy(block, out[k])
             _subtract_product(own, block, block)
         for k in range(begin, last):
             where[indices[k]] = -1
@@ -111,7 +119,7 @@ def _factor(indptr, indices, matrix, added, share, last_try, smallest, out):  # 
             fine = _cholesky(own, matrix[last], smallest, low, inverse)
         if not fine:
             return -1
-        out[last] = inverse
+        _copy(inverse, out[last])
     return failed
 
 

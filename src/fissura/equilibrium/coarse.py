@@ -117,7 +117,12 @@ def _coarse_pattern(bodies, of_cluster, first, cluster, wide):  # type: ignore[n
                     seen[d] = c
                     columns[total] = d
                     total += 1
-        columns[begin:total] = np.sort(columns[begin:total])
+        for k in range(begin + 1, total):  # by insertion: there are few
+            d, m = columns[k], k
+            while m > begin and columns[m - 1] > d:
+                columns[m] = columns[m - 1]
+                m -= 1
+            columns[m] = d
         indptr[c + 1] = total
     return indptr, columns[:total].copy()
 

@@ -135,7 +135,9 @@ def _clip_by_cells(bodies, rectangle, x, first, neighbour):  # type: ignore[no-u
     for q in range(len(bodies)):
         i = bodies[q]
         count = len(rectangle)
-        a[:count] = rectangle
+        for k in range(count):
+            for m in range(3):
+                a[k, m] = rectangle[k, m]
         for k in range(first[q], first[q + 1]):
             offset = 0.0
             for m in range(3):
@@ -147,9 +149,13 @@ def _clip_by_cells(bodies, rectangle, x, first, neighbour):  # type: ignore[no-u
                 break
         if n + count > len(out):
             longer = np.empty((2 * len(out) + most, 3))
-            longer[:n] = out[:n]
+            for k in range(n):
+                for m in range(3):
+                    longer[k, m] = out[k, m]
             out = longer
-        out[n : n + count] = a[:count]
+        for k in range(count):
+            for m in range(3):
+                out[n + k, m] = a[k, m]
         counts[q] = count
         n += count
     return out[:n].copy(), counts
