@@ -33,6 +33,8 @@ MEMORY = 2000.0
 FINE_BAR = 3.13e-3
 #: Share of its peak load at which the run of the tension bar ends.
 LEFT = 0.6
+#: Processor seconds after which a run is ended and what there is of it reported.
+LIMIT = 3600.0
 #: Interleaved repeats of short runs.
 REPEATS = 3
 
@@ -49,7 +51,8 @@ def child(name: str, full: bool, steps: int, changes: dict[str, dict[str, Any]])
         for step in simulation.steps():
             names = ("gauge", "load", "residual", "bodies", "iterations", "factorizations", "linear_iterations")
             rows.append({key: float(getattr(step, key, 0.0)) for key in names})
-            if len(rows) == steps:
+            if len(rows) == steps or time.process_time() - cpu > LIMIT:
+                finished = len(rows) == steps
                 break
     except RunStopped as error:
         print(error, file=sys.stderr)
