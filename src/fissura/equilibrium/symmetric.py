@@ -8,7 +8,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.equilibrium.amg import SmoothedAggregation
 from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.direct import best_solver
 from fissura.equilibrium.linear import LinearSolver, SingularMatrixError
@@ -26,12 +25,20 @@ _LARGE = 500
 #: Error of iterative solutions in the energy norm.
 _TOLERANCE = 1e-8
 
+
+def _aggregation(form: Pattern, x: FloatArray, tolerance: float) -> LinearSolver:
+    """Made here, so that only runs that name it load PyAMG."""
+    from fissura.equilibrium.amg import SmoothedAggregation
+
+    return SmoothedAggregation(form, x, tolerance)
+
+
 #: Solvers by name, made from a pattern, nuclei (n, 3), and a relative error in the energy norm, which `direct` does not
 #: need. `amg` is there for comparison.
 LINEAR_SOLVERS: dict[str, Callable[[Pattern, FloatArray, float], LinearSolver]] = {
     "direct": lambda form, x, tolerance: best_solver()(form),
     "two-level": TwoLevel,
-    "amg": SmoothedAggregation,
+    "amg": _aggregation,
 }
 
 
