@@ -57,7 +57,7 @@ def test_files_of_a_run(tmp_path):
     vtu = {f"{kind}_{number:04d}.vtu" for kind in ("bodies", "contacts") for number in (3, 5, 10)}
     others = {
         "bodies.pvd", "contacts.pvd", "case.json", "curve.csv", "curve.png", "crack.png", "summary.json",
-        "state_last.npz",
+        "state_last.npz", "section.npz",
     }  # fmt: skip
     assert {p.name for p in folder.iterdir()} == vtu | others
     assert all(p.stat().st_size > 0 for p in folder.iterdir())

@@ -17,7 +17,7 @@ from fissura.results.result import Result
 if TYPE_CHECKING:
     from fissura.results.compare import Comparison
 
-__all__ = ["headline", "plot_comparison", "plot_curve", "tidy"]
+__all__ = ["gauge_name", "gauge_unit", "headline", "load_unit", "plot_comparison", "plot_curve", "tidy"]
 
 FloatArray = NDArray[np.float64]
 
@@ -45,8 +45,8 @@ def plot_curve(result: Result, path: Path) -> None:
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.add_subplot()
     gauge, load = result.gauge, result.load_values
-    x_scale, x_unit = _gauge_unit(float(gauge.max()))
-    y_scale, y_unit = _load_unit(float(np.abs(load).max()))
+    x_scale, x_unit = gauge_unit(float(gauge.max()))
+    y_scale, y_unit = load_unit(float(np.abs(load).max()))
     if result.case.output.measured is not None:
         band = read_measured(result.case.output.measured)
         axes.fill_between(
@@ -105,7 +105,7 @@ def plot_curve(result: Result, path: Path) -> None:
     axes.set_ylim(min(0.0, 1.08 * float(load.min()) * y_scale), 1.16 * top if top > 0 else None)
     _note_peak(axes, float(gauge[load.argmax()]), float(load.max()), x_scale, y_scale)
     tidy(axes)
-    axes.set_xlabel(f"{_gauge_name(result)} [{x_unit}]")
+    axes.set_xlabel(f"{gauge_name(result)} [{x_unit}]")
     axes.set_ylabel(f"load [{y_unit}]")
     headline(axes, result.case.name, _kind(result))
     _legend(axes, gauge, load)
@@ -118,8 +118,8 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
     by_gauge = comparison.over == "gauge"
     upper, lower = figure.subplots(2, 1, sharex=by_gauge, height_ratios=(3, 1))
     a, b = comparison.a, comparison.b
-    x_scale, x_unit = _gauge_unit(max(float(a.gauge.max()), float(b.gauge.max())))
-    y_scale, y_unit = _load_unit(comparison.peaks[1])
+    x_scale, x_unit = gauge_unit(max(float(a.gauge.max()), float(b.gauge.max())))
+    y_scale, y_unit = load_unit(comparison.peaks[1])
     for run, colour, style, width in ((b, GREY, "-", 3.6), (a, BLUE, "-", 1.4)):
         upper.plot(
             np.append(0.0, run.gauge) * x_scale,
@@ -139,7 +139,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
     limit = max(1.25 * float(np.abs(share).max()), 0.1)
     lower.set_ylim(-limit, limit)
     lower.set_ylabel("A − B\n[% of peak]")
-    (lower if by_gauge else upper).set_xlabel(f"{_gauge_name(b)} [{x_unit}]")
+    (lower if by_gauge else upper).set_xlabel(f"{gauge_name(b)} [{x_unit}]")
     if not by_gauge:
         lower.set_xlabel(f"{comparison.over} [{over_unit}]")
         upper.set_xlim(left=min(0.0, 1.02 * float(min(a.gauge.min(), b.gauge.min())) * x_scale))
@@ -222,11 +222,13 @@ def _kind(result: Result) -> str:
     return f"adaptive, {bodies} of {text.count(float(result.summary['bodies_full']))} bodies"
 
 
-def _gauge_name(result: Result) -> str:
+def gauge_name(result: Result) -> str:
+    """What the controlled quantity is, for an axis."""
     return "gauge opening" if result.case.quantity == "gauge" else "displacement of the load"
 
 
-def _gauge_unit(largest: float) -> tuple[float, str]:
+def gauge_unit(largest: float) -> tuple[float, str]:
+    """Factor from metres, and unit, for an axis up to the given gauge."""
     return (1e6, "µm") if largest < 1e-3 else (1e3, "mm")
 
 
@@ -234,5 +236,6 @@ def _energy_unit(largest: float) -> tuple[float, str]:
     return (1e3, "mJ") if largest < 1.0 else (1.0, "J")
 
 
-def _load_unit(largest: float) -> tuple[float, str]:
+def load_unit(largest: float) -> tuple[float, str]:
+    """Factor from newtons, and unit, for an axis up to the given load."""
     return (1.0, "N") if largest < 1e3 else (1e-3, "kN") if largest < 1e6 else (1e-6, "MN")

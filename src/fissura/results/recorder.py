@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fissura.errors import InputError
 from fissura.results.curve import CurveWriter, Row, columns, row
 from fissura.results.done import Done
+from fissura.results.history import FILE, HistoryWriter
 from fissura.results.result import Result
 from fissura.results.state import write_state
 from fissura.results.summary import build_summary, write_atomically, write_summary
@@ -29,9 +30,14 @@ OWN_FILES = (
     "case.json",
     "summary.json",
     "state_last.npz",
+    "section.npz",
     "curve.png",
     "crack.png",
     "compare.png",
+    "compare_bodies.png",
+    "moments.png",
+    "refinement.gif",
+    "refinement.mp4",
     "bodies.pvd",
     "contacts.pvd",
     "bodies_[0-9]*.vtu",
@@ -74,7 +80,10 @@ class Recorder:
         self._last: Step | None = None
         self._folder = folder
         self._curve: CurveWriter | None = None
+        self._history = HistoryWriter(0.5 * simulation.case.specimen.size[2])
         if folder is not None:
+            if (start := getattr(simulation, "tessellation", None)) is not None:
+                self._history.start(start)
             try:
                 self._curve = self._open(folder)
             except OSError as error:
@@ -94,6 +103,7 @@ class Recorder:
         if due:
             self._chosen[step.number] = step
         if self._curve is not None:
+            self._history.add(step)
             self._curve.write(values)
             self._write_summary("running", "")
         if due:
@@ -128,6 +138,7 @@ class Recorder:
         )
         if self._folder is not None and self._last is not None:
             write_state(self._folder / "state_last.npz", self._last)
+            self._history.write(self._folder / FILE)
             self._draw(result, self._folder)
         return result
 

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import io
-import os
-import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fissura.errors import InputError
-from fissura.results.compression import level
+from fissura.results.archive import read_archive, write_archive
 from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
 
 if TYPE_CHECKING:
@@ -39,8 +36,6 @@ def write_state(path: Path, step: Step) -> None:
     snapshot = step.snapshot
     tessellation = snapshot.tessellation
     arrays: dict[str, Any] = {
-        "format": FORMAT,
-        "format_version": FORMAT_VERSION,
         "step": step.number,
         "gauge": step.gauge,
         "load": step.load,
@@ -54,14 +49,7 @@ def write_state(path: Path, step: Step) -> None:
         ("surface.polygons.", tessellation.surface.polygons, POLYGONS),
     ):
         arrays.update({prefix + name: np.asarray(getattr(owner, name)) for name in names})
-    temporary = path.with_name(path.name + ".part")
-    with zipfile.ZipFile(temporary, "w") as archive:
-        for name, value in arrays.items():
-            values, buffer = np.asanyarray(value), io.BytesIO()
-            np.lib.format.write_array(buffer, values, allow_pickle=False)
-            kind = zipfile.ZIP_DEFLATED if level(values) else zipfile.ZIP_STORED
-            archive.writestr(name + ".npy", buffer.getbuffer(), kind, compresslevel=1)
-    os.replace(temporary, path)
+    write_archive(path, FORMAT, FORMAT_VERSION, arrays)
 
 
 def read_state(path: str | Path) -> tuple[int, Snapshot]:
@@ -82,15 +70,7 @@ def read_state(path: str | Path) -> tuple[int, Snapshot]:
     from fissura.step import Snapshot
 
     key, allowed = str(path), f"a {FORMAT} file of version 1 to {FORMAT_VERSION}"
-    try:
-        with np.load(io.BytesIO(Path(path).read_bytes()), allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError) as error:
-        raise InputError(key, "cannot be read", allowed) from error
-    except Exception as error:  # zipfile and zlib raise many kinds for damaged archives
-        raise InputError(key, f"is damaged ({error})", allowed) from error
-    if str(arrays.get("format")) != FORMAT or int(arrays.get("format_version", 0)) > FORMAT_VERSION:
-        raise InputError(key, f"is of version {arrays.get('format_version', 'unknown')}", allowed)
+    arrays = read_archive(path, FORMAT, FORMAT_VERSION)
     try:
         tessellation = Tessellation(
             **_part(arrays, "bodies.", BODIES),

@@ -1,0 +1,61 @@
+"""NumPy archives with a format name and version, and without pickled objects."""
+
+from __future__ import annotations
+
+import io
+import os
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+from fissura.results.compression import level
+
+__all__ = ["read_archive", "write_archive"]
+
+
+def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any]) -> None:
+    """Write arrays as ``.npz``, never leaving half a file; arrays that hardly shrink are stored as they are.
+
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    name, version : str, int
+        Name and version of the format, kept as ``format`` and ``format_version``.
+    arrays : mapping of str to array or number
+        Content.
+    """
+    temporary = path.with_name(path.name + ".part")
+    with zipfile.ZipFile(temporary, "w") as archive:
+        for key, value in {"format": name, "format_version": version, **arrays}.items():
+            values, buffer = np.asanyarray(value), io.BytesIO()
+            np.lib.format.write_array(buffer, values, allow_pickle=False)
+            kind = zipfile.ZIP_DEFLATED if level(values) else zipfile.ZIP_STORED
+            archive.writestr(key + ".npy", buffer.getbuffer(), kind, compresslevel=1)
+    os.replace(temporary, path)
+
+
+def read_archive(path: str | Path, name: str, version: int) -> dict[str, NDArray[Any]]:
+    """Read all arrays of a file that `write_archive` wrote.
+
+    Raises
+    ------
+    InputError
+        The file is missing, is something else, or is newer than the given version of the format.
+    """
+    key, allowed = str(path), f"a {name} file of version 1 to {version}"
+    try:
+        with np.load(io.BytesIO(Path(path).read_bytes()), allow_pickle=False) as archive:
+            arrays = {member: archive[member] for member in archive.files}
+    except (OSError, ValueError, EOFError) as error:
+        raise InputError(key, "cannot be read", allowed) from error
+    except Exception as error:  # zipfile and zlib raise many kinds for damaged archives
+        raise InputError(key, f"is damaged ({error})", allowed) from error
+    if str(arrays.get("format")) != name or int(arrays.get("format_version", 0)) > version:
+        raise InputError(key, f"is of version {arrays.get('format_version', 'unknown')}", allowed)
+    return arrays

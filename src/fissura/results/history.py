@@ -1,0 +1,217 @@
+"""The section in the middle of the specimen at every step of a run, as ``section.npz``: what pictures are made of.
+
+A whole state is some megabytes, and a run has a hundred of them. The section needs a hundredth of that, for it is flat,
+its lines are the same on all steps of a discretization, and a picture needs single precision only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+from fissura.results.archive import read_archive, write_archive
+from fissura.results.section import Rows, Section, cut
+from fissura.results.summary import read_summary
+
+if TYPE_CHECKING:
+    from fissura.step import Snapshot, Step
+    from fissura.tessellation import Tessellation
+
+__all__ = ["FILE", "Frame", "HistoryWriter", "read_history"]
+
+FILE = "section.npz"
+FORMAT = "fissura-section"
+FORMAT_VERSION = 1
+
+FloatArray32 = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The section at one step.
+
+    Attributes
+    ----------
+    number : int
+        Number of the step; 0 is the unloaded structure.
+    gauge, load : float
+        Controlled quantity [m] and load [N].
+    bodies : int
+        Bodies of the whole structure.
+    section : Section
+        Bodies and lines; the same object for all frames of a discretization.
+    motion : (b, 3) float32 array
+        ``a, b, t`` of each body: its point (x, y) in the section moves by ``(a - t y, b + t x)`` [m].
+    stress : (b,) float32 array
+        Largest principal stress of each body [Pa].
+    opening : (c,) float32 array
+        Crack opening of the contacts that the section cuts [m].
+    """
+
+    number: int
+    gauge: float
+    load: float
+    bodies: int
+    section: Section
+    motion: FloatArray32
+    stress: FloatArray32
+    opening: FloatArray32
+
+
+class HistoryWriter:
+    """Takes the section of every step, and writes them all at the end of a run.
+
+    Parameters
+    ----------
+    z : float
+        Where the plane is [m].
+    """
+
+    def __init__(self, z: float) -> None:
+        self._z = z
+        self._tessellation: Tessellation | None = None
+        self._rows = Rows(np.empty(0, np.int64), np.empty(0, np.int64))
+        self._sections: list[Section] = []
+        self._steps: list[tuple[int, float, float, int, int]] = []
+        self._fields: dict[str, list[NDArray[Any]]] = {"motion": [], "stress": [], "crack": [], "opening": []}
+
+    def start(self, tessellation: Tessellation) -> None:
+        """Take the unloaded structure as step 0."""
+        bodies = len(self._cut(tessellation).bodies)
+        nothing = np.empty(0, np.int64)
+        self._add((0, 0.0, 0.0), np.zeros((bodies, 3)), np.zeros(bodies), nothing, nothing)
+
+    def add(self, step: Step) -> None:
+        """Take an accepted step."""
+        snapshot = step.snapshot
+        rows = self._cut(snapshot.tessellation)
+        opening = snapshot.opening[rows.contacts]
+        open_ = np.flatnonzero(opening > 0.0)
+        stress = np.linalg.eigvalsh(snapshot.stress[rows.bodies])[:, -1]
+        self._add((step.number, step.gauge, step.load), self._motion(snapshot, rows), stress, open_, opening[open_])
+
+    def write(self, path: Path) -> None:
+        """Write everything; the arrays are documented in ``docs/files.md``."""
+        number, gauge, load, bodies, which = (np.array(values) for values in zip(*self._steps, strict=True))
+        write_archive(
+            path,
+            FORMAT,
+            FORMAT_VERSION,
+            {
+                "z": self._z,
+                "sections.nucleus": np.concatenate([s.nucleus for s in self._sections]),
+                "sections.fine": np.concatenate([s.fine for s in self._sections]),
+                "sections.lines": np.concatenate([s.lines for s in self._sections]),
+                "sections.sides": np.concatenate([s.sides for s in self._sections]),
+                "sections.body_offsets": _offsets(s.nucleus for s in self._sections),
+                "sections.line_offsets": _offsets(s.lines for s in self._sections),
+                "steps.number": number,
+                "steps.gauge": gauge,
+                "steps.load": load,
+                "steps.bodies": bodies,
+                "steps.section": which,
+                "steps.crack_offsets": _offsets(self._fields["crack"]),
+                **{name: np.concatenate(values) for name, values in self._fields.items()},
+            },
+        )
+
+    def _cut(self, tessellation: Tessellation) -> Rows:
+        if tessellation is not self._tessellation:
+            section, self._rows = cut(tessellation, self._z)
+            self._tessellation = tessellation
+            self._sections.append(section)
+        return self._rows
+
+    def _motion(self, snapshot: Snapshot, rows: Rows) -> NDArray[np.float64]:
+        x, u = snapshot.tessellation.x[rows.bodies], snapshot.displacement[rows.bodies]
+        height, (rx, ry, rz) = self._z - x[:, 2], u[:, 3:].T
+        return np.stack([u[:, 0] + ry * height + rz * x[:, 1], u[:, 1] - rx * height - rz * x[:, 0], rz], axis=1)
+
+    def _add(self, step: tuple[int, float, float], *fields: NDArray[Any]) -> None:
+        assert self._tessellation is not None
+        self._steps.append((*step, len(self._tessellation), len(self._sections) - 1))
+        for (name, values), field in zip(self._fields.items(), fields, strict=True):
+            values.append(field.astype(np.int32 if name == "crack" else np.float32))
+
+
+def read_history(folder: str | Path) -> tuple[Frame, ...]:
+    """Read the section at every step of a run that has ended.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Folder of its results.
+
+    Returns
+    -------
+    tuple of Frame
+        In the order of the steps.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, the run has not ended, an earlier version wrote its files, or the file is damaged.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(str(folder), "there is no such folder", "the folder of a Fissura run")
+    summary, path = read_summary(folder / "summary.json"), folder / FILE
+    if not path.exists():
+        if summary.get("status") == "running":
+            raise InputError(str(folder), f"the run has not ended, so it has no {FILE}", "the folder of a run that has")
+        if not summary.get("steps"):
+            raise InputError(str(folder), "the run has no steps to draw", "the folder of a run with steps")
+        raise InputError(str(path), "is missing; earlier versions did not write it", "results of this version: run again")
+    arrays = read_archive(path, FORMAT, FORMAT_VERSION)
+    try:
+        return _frames(arrays)
+    except KeyError as error:
+        raise InputError(str(path), f"lacks the array {error}") from None
+
+
+def _frames(arrays: dict[str, NDArray[Any]]) -> tuple[Frame, ...]:
+    sections = [
+        Section(
+            arrays["sections.nucleus"][b0:b1],
+            arrays["sections.fine"][b0:b1],
+            arrays["sections.lines"][l0:l1],
+            arrays["sections.sides"][l0:l1],
+        )
+        for b0, b1, l0, l1 in zip(
+            arrays["sections.body_offsets"][:-1],
+            arrays["sections.body_offsets"][1:],
+            arrays["sections.line_offsets"][:-1],
+            arrays["sections.line_offsets"][1:],
+            strict=True,
+        )
+    ]
+    frames, body = [], 0
+    cracks = arrays["steps.crack_offsets"]
+    for k, which in enumerate(arrays["steps.section"]):
+        section = sections[which]
+        own, some = slice(body, body + len(section.nucleus)), slice(cracks[k], cracks[k + 1])
+        opening = np.zeros(section.contacts, np.float32)
+        opening[arrays["crack"][some]] = arrays["opening"][some]
+        frames.append(
+            Frame(
+                int(arrays["steps.number"][k]),
+                float(arrays["steps.gauge"][k]),
+                float(arrays["steps.load"][k]),
+                int(arrays["steps.bodies"][k]),
+                section,
+                arrays["motion"][own],
+                arrays["stress"][own],
+                opening,
+            )
+        )
+        body = own.stop
+    return tuple(frames)
+
+
+def _offsets(parts: Any) -> NDArray[np.int64]:
+    return np.concatenate([[0], np.cumsum([len(part) for part in parts])]).astype(np.int64)

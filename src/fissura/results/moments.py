@@ -1,0 +1,252 @@
+"""Bodies and crack at four moments of a run beside its curve, and of two runs beside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+from fissura.results import quantities as text
+from fissura.results.history import Frame, read_history
+from fissura.results.pictures import BLUE, DPI, INK, ORANGE, gauge_name, gauge_unit, load_unit, tidy
+from fissura.results.result import Result
+from fissura.results.stage import COARSE, EDGE, FINE, HEAT, TENSION, Look, Stage, look_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from fissura.results.compare import Comparison
+
+__all__ = ["Moment", "draw_scales", "moments", "plot_bodies", "plot_moments"]
+
+FloatArray = NDArray[np.float64]
+
+WIDE = 10.0
+"""Width of the pictures [inch]."""
+
+BEFORE_PEAK = 0.8
+"""Without a refinement before the peak, the second moment is where the load reaches this part of it."""
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A step worth showing.
+
+    Attributes
+    ----------
+    letter, name : str
+        What it is called.
+    frame : Frame
+        The section then.
+    """
+
+    letter: str
+    name: str
+    frame: Frame
+
+
+def moments(frames: Sequence[Frame]) -> list[Moment]:
+    """Choose up to four moments: before and at the first refinement, at the peak, and at the end.
+
+    Where nothing was refined before the peak the first two are in the elastic range and shortly before the peak. Runs
+    that are too short, or end at their peak, have fewer moments.
+
+    Parameters
+    ----------
+    frames : sequence of Frame
+        All steps of a run.
+    """
+    load = np.array([abs(frame.load) for frame in frames])
+    peak, last = int(load.argmax()), len(frames) - 1
+    changed = [k for k in range(1, peak) if frames[k].section is not frames[0].section]
+    if changed:
+        second, names = changed[0], ("before refinement", "first refinement")
+    else:
+        second, names = int(np.argmax(load >= BEFORE_PEAK * load[peak])), ("elastic", "before the peak")
+    first = int(np.abs(load[: max(second, 1)] - 0.5 * load[second]).argmin())
+    chosen = {first: names[0], second: names[1], last: "end", peak: "peak"}
+    return [Moment("abcd"[k], chosen[n], frames[n]) for k, n in enumerate(sorted(chosen))]
+
+
+def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> None:
+    """Draw the four moments of a run, and its curve with them.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Folder of the run's results.
+    path : Path
+        File to write; its ending decides the format.
+    stress : bool, optional
+        Colour bodies by their largest principal stress instead of showing which are fine.
+
+    Raises
+    ------
+    InputError
+        The folder does not hold the results of a run that has ended, with its section.
+    """
+    frames, result = read_history(folder), Result.load(folder)
+    shown = moments(frames)
+    look = look_of(result.case, [moment.frame for moment in shown], stress=stress)
+    rows = 2 if look.aspect > 1.2 else 1
+    columns = -(-len(shown) // rows)
+    tall = (WIDE / columns) / look.aspect + 0.45
+    figure = Figure(figsize=(WIDE, rows * min(tall, 6.0) + 2.7), layout="constrained")
+    upper, lower = figure.subfigures(2, 1, height_ratios=(rows * min(tall, 6.0), 2.7))
+    panels = upper.subplots(rows, columns, squeeze=False).ravel()
+    for axes in panels[len(shown) :]:
+        axes.set_axis_off()
+    for axes, moment in zip(panels, shown, strict=False):
+        Stage(axes, result.case, look).show(moment.frame)
+        _caption(axes, f"{moment.letter}  {moment.name}", moment.frame)
+    curve, scale = lower.subplots(1, 2, width_ratios=(2.6, 1.0))
+    draw_curve(curve, result)
+    mark_moments(curve, result, shown)
+    draw_scales(scale, look, result.full)
+    figure.savefig(path, dpi=DPI)
+
+
+def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> None:
+    """Draw two runs beside each other at the moments of the first.
+
+    The moments of run B are the steps nearest in what `Comparison.over` says: the gauge, or the dissipated energy.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Two runs read from their folders.
+    path : Path
+        File to write; its ending decides the format.
+    stress : bool, optional
+        Colour bodies by their largest principal stress instead of showing which are fine.
+
+    Raises
+    ------
+    InputError
+        A run was not read from a folder, or its section was not written.
+    """
+    a, b = comparison.a, comparison.b
+    frames_a, frames_b = (_frames_of(result) for result in (a, b))
+    shown = moments(frames_a)
+    others = [_counterpart(comparison, moment.frame, frames_b) for moment in shown]
+    look = look_of(a.case, [moment.frame for moment in shown] + others, stress=stress)
+    tall = 0.5 * WIDE / look.aspect + 0.45
+    figure = Figure(figsize=(WIDE, len(shown) * tall + 1.2), layout="constrained")
+    upper, lower = figure.subfigures(2, 1, height_ratios=(len(shown) * tall + 0.3, 0.9))
+    panels = upper.subplots(len(shown), 2, squeeze=False)
+    for row, (moment, other) in enumerate(zip(shown, others, strict=True)):
+        for axes, result, frame in zip(panels[row], (a, b), (moment.frame, other), strict=True):
+            Stage(axes, result.case, look).show(frame)
+            _caption(axes, f"{moment.letter}  {moment.name}" if result is a else "", frame)
+    for axes, name in zip(panels[0], _titles(a, b), strict=True):
+        axes.text(0.5, 1.0, name, transform=axes.transAxes, fontsize=12, fontweight="bold", color=INK, ha="center",
+                  va="bottom", in_layout=True)  # fmt: skip
+    draw_scales(lower.subplots(), look, a.full and b.full)
+    figure.savefig(path, dpi=DPI)
+
+
+def draw_curve(axes: Axes, result: Result) -> None:
+    """Draw load over gauge in the units of the other pictures, with ticks where the discretization changed."""
+    gauge, load = result.gauge, result.load_values
+    x_scale, x_unit = gauge_unit(float(np.abs(gauge).max()))
+    y_scale, y_unit = load_unit(float(np.abs(load).max()))
+    axes.plot(np.append(0.0, gauge) * x_scale, np.append(0.0, load) * y_scale, color=BLUE, linewidth=1.8, zorder=3)
+    refined = gauge[result.curve["refinements"] > 0] * x_scale
+    axes.vlines(refined, 0.0, 0.05, transform=axes.get_xaxis_transform(), color=ORANGE, linewidth=1.4, zorder=2)
+    axes.set_xlim(min(0.0, 1.03 * float(gauge.min()) * x_scale), 1.03 * float(max(gauge.max(), 0.0)) * x_scale or None)
+    axes.set_ylim(min(0.0, 1.2 * float(load.min()) * y_scale), 1.2 * float(max(load.max(), 0.0)) * y_scale or None)
+    axes.set_xlabel(f"{gauge_name(result)} [{x_unit}]")
+    axes.set_ylabel(f"load [{y_unit}]")
+    tidy(axes)
+
+
+def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
+    """Mark moments on a curve that `draw_curve` drew."""
+    x_scale = gauge_unit(float(np.abs(result.gauge).max()))[0]
+    y_scale = load_unit(float(np.abs(result.load_values).max()))[0]
+    for moment in shown:
+        x, y = moment.frame.gauge * x_scale, moment.frame.load * y_scale
+        axes.plot(x, y, marker="o", markersize=7, color="white", markeredgecolor=BLUE, markeredgewidth=1.7, zorder=4,
+                  clip_on=False)  # fmt: skip
+        axes.annotate(moment.letter, (x, y), xytext=(0, 7), textcoords="offset points", ha="center", va="bottom",
+                      fontsize=10, fontweight="bold", color=INK, zorder=5)  # fmt: skip
+
+
+def draw_scales(axes: Axes, look: Look, full: bool) -> None:
+    """Explain the colours of bodies and cracks, and say by how much displacements are magnified."""
+    axes.set_axis_off()
+    bars: list[tuple[str, Any, Any]] = [("crack opening [µm]", HEAT, look.opening)]
+    if look.stress is not None:
+        bars.append(("largest principal stress [MPa]", TENSION, look.stress))
+    wide = axes.get_subplotspec() is not None and axes.get_subplotspec().get_gridspec().ncols == 1  # type: ignore[union-attr]
+    for k, (name, colours, norm) in enumerate(bars):
+        place = (0.04 + 0.34 * k, 0.62, 0.28, 0.16) if wide else (0.04, 0.80 - 0.34 * k, 0.92, 0.07)
+        bar = axes.figure.colorbar(ScalarMappable(norm, colours), cax=axes.inset_axes(place), orientation="horizontal")
+        bar.set_label(name, color=INK, fontsize=9)
+        bar.ax.tick_params(colors=INK, labelsize=8)
+        bar.outline.set_visible(False)  # type: ignore[operator]
+    if look.stress is None:
+        kinds = [(FINE, "fine")] if full else [(FINE, "fine"), (COARSE, "coarse")]
+        axes.legend(
+            handles=[Patch(facecolor=colour, edgecolor=EDGE, label=f"{name} bodies") for colour, name in kinds],
+            loc="center left" if wide else "lower left",
+            bbox_to_anchor=(0.42, 0.66) if wide else (0.0, 0.18),
+            ncols=2 if wide else 1,
+            fontsize=9,
+            labelcolor=INK,
+            frameon=False,
+        )
+    axes.text(
+        0.99 if wide else 0.04,
+        0.66 if wide else 0.08,
+        f"section at half thickness\ndisplacements × {look.magnify:g}",
+        transform=axes.transAxes,
+        fontsize=9,
+        color=INK,
+        ha="right" if wide else "left",
+        va="center",
+    )
+
+
+def _caption(axes: Axes, name: str, frame: Frame) -> None:
+    note = f"{text.length(frame.gauge)}, {text.force(frame.load)}, {text.count(frame.bodies)} bodies"
+    axes.set_title(name, loc="left", fontsize=10, fontweight="bold", color=INK)
+    axes.set_title(note, loc="right", fontsize=9, color=INK)
+
+
+def _titles(a: Result, b: Result) -> tuple[str, str]:
+    kinds = tuple("full resolution" if result.full else "adaptive" for result in (a, b))
+    if kinds[0] != kinds[1]:
+        return kinds[0], kinds[1]
+    return f"A: {a.case.name}, {kinds[0]}", f"B: {b.case.name}, {kinds[1]}"
+
+
+def _frames_of(result: Result) -> tuple[Frame, ...]:
+    if result.folder is None:
+        raise InputError(result.case.name, "was not read from a folder", "results in folders")
+    return read_history(result.folder)
+
+
+def _counterpart(comparison: Comparison, frame: Frame, others: Sequence[Frame]) -> Frame:
+    """The frame of run B that is nearest to one of run A."""
+    b = comparison.b
+    gauges = np.array([other.gauge for other in others])
+    far = np.abs(gauges - frame.gauge) / max(float(np.abs(gauges).max()), 1e-300)
+    if comparison.over != "gauge":
+        energies = [_energy(b, other) for other in others]
+        far = far + 1e3 * np.abs(np.array(energies) - _energy(comparison.a, frame)) / max(max(energies), 1e-300)
+    return others[int(far.argmin())]
+
+
+def _energy(result: Result, frame: Frame) -> float:
+    """Dissipated energy at a frame [J]."""
+    row = np.flatnonzero(result.curve["step"] == frame.number)
+    return max(float(result.curve["dissipated_J"][row[0]]), 0.0) if len(row) else 0.0

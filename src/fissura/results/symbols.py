@@ -1,0 +1,167 @@
+"""Symbols of supports, load and gauge for views along z; they follow the specimen's surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from numpy.typing import NDArray
+
+from fissura.specimen import specimen_from_case
+from fissura.specimen.patch import Patch, patch_from_part
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from fissura.case import Case
+
+__all__ = ["Symbol", "Symbols", "symbols"]
+
+FloatArray = NDArray[np.float64]
+
+SUPPORT, LOAD = "#6b7280", "#30343b"
+
+SIZE = 0.085
+"""Size of a symbol as part of the smaller side of the view; see `symbols`."""
+
+WHOLE = 0.08
+"""A patch longer than this part of the specimen is drawn along its length, not as one point."""
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """Shapes that move together with one point of the surface.
+
+    Attributes
+    ----------
+    anchor : (2,) array
+        The point (x, y) [m].
+    filled : list of (k, 2) array
+        Filled shapes [m].
+    lines : list of (k, 2) array
+        Lines [m].
+    colour : str
+        Of both.
+    """
+
+    anchor: FloatArray
+    filled: list[FloatArray]
+    lines: list[FloatArray]
+    colour: str
+
+
+def symbols(case: Case) -> list[Symbol]:
+    """Symbols of a case's supports, load and gauge; places on the front and the back have none.
+
+    A pin is a triangle, a roller a triangle on a line, a clamp a hatched line, the load arrows, a gauge two dots.
+    """
+    box = specimen_from_case(case)
+    spacing = case.discretization.l_f / 5.0
+    length, depth = box.size[:2]
+    size = SIZE * min(max(length, depth) / 2.5, 1.5 * min(length, depth))
+    found = []
+    for k, part in enumerate(case.supports):
+        patch = patch_from_part(part, box, spacing, f"supports[{k}]")
+        if patch.axis < 2:
+            found += _support(part.type, patch, size, max(length, depth))
+    patch = patch_from_part(case.load, box, spacing, "load")
+    direction = case.load.direction or -patch.outward * np.eye(3)[patch.axis]
+    found += _load(patch, np.asarray(direction, float)[:2], size, max(length, depth))
+    if case.gauge is not None:
+        for name in ("a", "b"):
+            patch = patch_from_part(getattr(case.gauge, name), box, spacing, f"gauge.{name}")
+            found.append(_gauge(patch, size))
+    return found
+
+
+def _frame(patch: Patch) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Middle of a patch, unit vectors along the face and out of it, and half its length in the view."""
+    outward = np.eye(2)[patch.axis] * patch.outward
+    along = np.abs(outward[::-1])
+    reach = patch.points[:, :2] @ along
+    middle = patch.centroid[:2] + along * (0.5 * (reach.min() + reach.max()) - patch.centroid[:2] @ along)
+    return middle, along, outward, 0.5 * float(np.ptp(reach))
+
+
+def _shape(middle: FloatArray, along: FloatArray, outward: FloatArray, corners: list[tuple[float, float]]) -> FloatArray:
+    return middle + np.array([a * along + b * outward for a, b in corners])
+
+
+def _support(kind: str, patch: Patch, size: float, extent: float) -> list[Symbol]:
+    middle, along, outward, half = _frame(patch)
+    if kind == "clamp" or 2.0 * half > WHOLE * extent:
+        half = max(half, 0.6 * size)
+        gap = 0.0 if kind == "clamp" else 0.25 * size
+        ticks = np.arange(-half, half + 1e-9, 2.0 * half / max(round(2.0 * half / (0.45 * size)), 1))
+        lines = [_shape(middle, along, outward, [(-half, gap), (half, gap)])]
+        lines += [_shape(middle, along, outward, [(t, gap), (t - 0.35 * size, gap + 0.4 * size)]) for t in ticks]
+        return [Symbol(middle, [], lines, SUPPORT)]
+    plate = 0.0
+    filled = []
+    if half > 0.0:
+        plate = 0.18 * size
+        filled.append(_shape(middle, along, outward, [(-half, 0), (half, 0), (half, plate), (-half, plate)]))
+    filled.append(
+        _shape(middle, along, outward, [(0, plate), (0.55 * size, plate + 0.9 * size), (-0.55 * size, plate + 0.9 * size)])
+    )
+    base = plate + (0.9 if kind == "pin" else 1.12) * size
+    lines = [_shape(middle, along, outward, [(-0.85 * size, base), (0.85 * size, base)])]
+    return [Symbol(middle, filled, lines, SUPPORT)]
+
+
+def _load(patch: Patch, direction: FloatArray, size: float, extent: float) -> list[Symbol]:
+    middle, along, outward, half = _frame(patch) if patch.axis < 2 else _facing(patch)
+    norm = float(np.linalg.norm(direction))
+    if norm < 1e-9:  # along the line of sight
+        return []
+    ahead = direction / norm
+    side = np.array([-ahead[1], ahead[0]])
+    pushes = float(ahead @ outward) < 0.0
+    plate = 0.18 * size if 0.0 < 2.0 * half <= WHOLE * extent else 0.0
+    filled, lines = [], []
+    if plate:
+        filled.append(_shape(middle, along, outward, [(-half, 0), (half, 0), (half, plate), (-half, plate)]))
+    places = np.linspace(-0.85, 0.85, 5) * half if 2.0 * half > WHOLE * extent else np.zeros(1)
+    for place in places:
+        start = middle + place * along + outward * plate
+        tip = start if pushes else start + 2.4 * size * ahead
+        filled.append(_shape(tip, side, -ahead, [(0, 0), (0.42 * size, 0.95 * size), (-0.42 * size, 0.95 * size)]))
+        lines.append(np.array([tip - 0.9 * size * ahead, tip - 2.4 * size * ahead]))
+    return [Symbol(middle, filled, lines, LOAD)]
+
+
+def _facing(patch: Patch) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    return patch.centroid[:2], np.array([1.0, 0.0]), np.zeros(2), 0.0
+
+
+def _gauge(patch: Patch, size: float) -> Symbol:
+    middle = _frame(patch)[0] if patch.axis < 2 else patch.centroid[:2]
+    angle = np.linspace(0.0, 2.0 * np.pi, 17)
+    return Symbol(middle, [middle + 0.2 * size * np.stack([np.cos(angle), np.sin(angle)], axis=1)], [], LOAD)
+
+
+class Symbols:
+    """Symbols in a picture.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw, in mm.
+    found : list of Symbol
+        What to draw.
+    """
+
+    def __init__(self, axes: Axes, found: list[Symbol]) -> None:
+        self._found = found
+        self._filled = PolyCollection([], facecolors=[s.colour for s in found for _ in s.filled], zorder=6)
+        self._lines = LineCollection([], colors=[s.colour for s in found for _ in s.lines], linewidths=1.3, zorder=6)
+        axes.add_collection(self._filled, autolim=False)
+        axes.add_collection(self._lines, autolim=False)
+
+    def place(self, moved: FloatArray) -> None:
+        """Move the symbols by the displacements of their anchors, shape (n, 2) [m]."""
+        pairs = list(zip(self._found, moved, strict=True))
+        self._filled.set_verts([1e3 * (shape + by) for symbol, by in pairs for shape in symbol.filled])
+        self._lines.set_segments([1e3 * (line + by) for symbol, by in pairs for line in symbol.lines])
