@@ -31,6 +31,10 @@ app = typer.Typer(
 )
 
 CaseArgument = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)]
+ResultArgument = Annotated[Path, typer.Argument(metavar="RESULT", help="Result folder.", show_default=False)]
+StressOption = Annotated[
+    bool, typer.Option("--stress", help="Colour bodies by their largest principal stress, not by size.")
+]
 
 
 def main() -> None:
@@ -209,6 +213,9 @@ def compare(
     a: Annotated[Path, typer.Argument(metavar="A", help="Result folder.", show_default=False)],
     b: Annotated[Path, typer.Argument(metavar="B", help="Result folder: the reference.", show_default=False)],
     plot: Annotated[Path | None, typer.Option(help="File for the picture.", show_default="A/compare.png")] = None,
+    bodies: Annotated[
+        bool, typer.Option("--bodies", help="Draw bodies and cracks of both, too: compare_bodies.png.")
+    ] = False,
 ) -> None:
     """Compare two runs: a table of differences, and a picture of both curves."""
     with _errors():
@@ -217,14 +224,67 @@ def compare(
         comparison = compare_folders(a, b)
         _print_table(comparison.table(), title=f"{a} against {b}")
         picture = plot if plot is not None else a / "compare.png"
-        try:
+        with _writing(picture, "--plot"):
             comparison.plot(picture)
-        except OSError as error:
-            _say(f"error: {picture}: cannot be written: {error.strerror or error}")
-            raise typer.Exit(NOT_WRITTEN) from None
-        except ValueError as error:  # matplotlib does not know the file's type
-            raise InputError("--plot", f"{picture}: {error}", "a name that ends in .png, .pdf or .svg") from None
         typer.echo(f"picture: {picture}")
+        if bodies:
+            from fissura.results.moments import plot_bodies
+
+            beside = picture.with_name(f"{picture.stem}_bodies{picture.suffix}")
+            with _writing(beside, "--plot"):
+                plot_bodies(comparison, beside)
+            typer.echo(f"picture: {beside}")
+
+
+@app.command()
+def moments(
+    folder: ResultArgument,
+    output: Annotated[Path | None, typer.Option(help="File to write.", show_default="RESULT/moments.png")] = None,
+    stress: StressOption = False,
+) -> None:
+    """Draw bodies and crack at four moments of a run, and its curve."""
+    with _errors():
+        from fissura.results.moments import plot_moments
+
+        path = output if output is not None else folder / "moments.png"
+        with _writing(path, "--output"):
+            plot_moments(folder, path, stress=stress)
+        typer.echo(f"picture: {path}")
+
+
+@app.command()
+def animate(
+    folder: ResultArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="File to write: .gif, or .mp4 with ffmpeg.", show_default="RESULT/refinement.gif"),
+    ] = None,
+    fps: Annotated[int, typer.Option(min=1, max=50, help="Frames per second.")] = 10,
+    size: Annotated[int, typer.Option(min=320, max=4000, help="Width in pixels.")] = 960,
+    stress: StressOption = False,
+) -> None:
+    """Animate a run: bodies grow finer, the crack opens, the curve grows."""
+    with _errors():
+        from fissura.results.animation import animate as write_animation
+
+        path = output if output is not None else folder / "refinement.gif"
+        with _writing(path, "--output"):
+            count = write_animation(folder, path, fps=fps, width=size, stress=stress)
+        typer.echo(f"animation: {path}, {count} frames")
+
+
+@contextmanager
+def _writing(picture: Path, option: str) -> Iterator[None]:
+    """Turn what can go wrong in writing a picture into a message."""
+    try:
+        yield
+    except OSError as error:
+        _say(f"error: {picture}: cannot be written: {error.strerror or error}")
+        raise typer.Exit(NOT_WRITTEN) from None
+    except ValueError as error:  # matplotlib does not know the file's type
+        if isinstance(error, FissuraError):
+            raise
+        raise InputError(option, f"{picture}: {error}", "a name that ends in .png, .pdf or .svg") from None
 
 
 def _print_version(wanted: bool) -> None:

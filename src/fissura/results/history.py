@@ -166,7 +166,9 @@ def read_history(folder: str | Path) -> tuple[Frame, ...]:
             raise InputError(str(folder), f"the run has not ended, so it has no {FILE}", "the folder of a run that has")
         if not summary.get("steps"):
             raise InputError(str(folder), "the run has no steps to draw", "the folder of a run with steps")
-        raise InputError(str(path), "is missing; earlier versions did not write it", "results of this version: run again")
+        raise InputError(
+            str(path), "is missing; earlier versions did not write it", "results of this version: run again"
+        )
     arrays = read_archive(path, FORMAT, FORMAT_VERSION)
     try:
         return _frames(arrays)

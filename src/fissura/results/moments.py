@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
@@ -100,8 +101,8 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
     columns = -(-len(shown) // rows)
     tall = (WIDE / columns) / look.aspect + 0.45
     figure = Figure(figsize=(WIDE, rows * min(tall, 6.0) + 2.7), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=(rows * min(tall, 6.0), 2.7))
-    panels = upper.subplots(rows, columns, squeeze=False).ravel()
+    upper, lower = np.ravel(figure.subfigures(2, 1, squeeze=False, height_ratios=(rows * min(tall, 6.0), 2.7)))
+    panels = upper.subplots(rows, columns, squeeze=False, gridspec_kw={"wspace": 0.05}).ravel()
     for axes in panels[len(shown) :]:
         axes.set_axis_off()
     for axes, moment in zip(panels, shown, strict=False):
@@ -110,7 +111,7 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
     curve, scale = lower.subplots(1, 2, width_ratios=(2.6, 1.0))
     draw_curve(curve, result)
     mark_moments(curve, result, shown)
-    draw_scales(scale, look, result.full)
+    draw_scales(scale, look, full=result.full)
     figure.savefig(path, dpi=DPI)
 
 
@@ -140,16 +141,16 @@ def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
     look = look_of(a.case, [moment.frame for moment in shown] + others, stress=stress)
     tall = 0.5 * WIDE / look.aspect + 0.45
     figure = Figure(figsize=(WIDE, len(shown) * tall + 1.2), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=(len(shown) * tall + 0.3, 0.9))
-    panels = upper.subplots(len(shown), 2, squeeze=False)
+    upper, lower = np.ravel(figure.subfigures(2, 1, squeeze=False, height_ratios=(len(shown) * tall + 0.3, 0.9)))
+    panels = upper.subplots(len(shown), 2, squeeze=False, gridspec_kw={"wspace": 0.05})
     for row, (moment, other) in enumerate(zip(shown, others, strict=True)):
         for axes, result, frame in zip(panels[row], (a, b), (moment.frame, other), strict=True):
-            Stage(axes, result.case, look).show(frame)
+            Stage(axes, result.case, look, thin=0.7).show(frame)
             _caption(axes, f"{moment.letter}  {moment.name}" if result is a else "", frame)
     for axes, name in zip(panels[0], _titles(a, b), strict=True):
-        axes.text(0.5, 1.0, name, transform=axes.transAxes, fontsize=12, fontweight="bold", color=INK, ha="center",
-                  va="bottom", in_layout=True)  # fmt: skip
-    draw_scales(lower.subplots(), look, a.full and b.full)
+        axes.annotate(name, (0, 1), xytext=(0, 26), xycoords="axes fraction", textcoords="offset points", fontsize=12,
+                      fontweight="bold", color=BLUE, va="bottom")  # fmt: skip
+    draw_scales(lower.subplots(), look, full=a.full and b.full, wide=True)
     figure.savefig(path, dpi=DPI)
 
 
@@ -160,7 +161,11 @@ def draw_curve(axes: Axes, result: Result) -> None:
     y_scale, y_unit = load_unit(float(np.abs(load).max()))
     axes.plot(np.append(0.0, gauge) * x_scale, np.append(0.0, load) * y_scale, color=BLUE, linewidth=1.8, zorder=3)
     refined = gauge[result.curve["refinements"] > 0] * x_scale
-    axes.vlines(refined, 0.0, 0.05, transform=axes.get_xaxis_transform(), color=ORANGE, linewidth=1.4, zorder=2)
+    if len(refined):
+        axes.vlines(refined, 0.0, 0.05, transform=axes.get_xaxis_transform(), color=ORANGE, linewidth=1.4,
+                    label="refinement", zorder=2)  # fmt: skip
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.03), fontsize=8, labelcolor=INK, frameon=False,
+                    handlelength=1.0)  # fmt: skip
     axes.set_xlim(min(0.0, 1.03 * float(gauge.min()) * x_scale), 1.03 * float(max(gauge.max(), 0.0)) * x_scale or None)
     axes.set_ylim(min(0.0, 1.2 * float(load.min()) * y_scale), 1.2 * float(max(load.max(), 0.0)) * y_scale or None)
     axes.set_xlabel(f"{gauge_name(result)} [{x_unit}]")
@@ -180,33 +185,43 @@ def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
                       fontsize=10, fontweight="bold", color=INK, zorder=5)  # fmt: skip
 
 
-def draw_scales(axes: Axes, look: Look, full: bool) -> None:
-    """Explain the colours of bodies and cracks, and say by how much displacements are magnified."""
+def draw_scales(axes: Axes, look: Look, *, full: bool, wide: bool = False) -> None:
+    """Explain the colours of bodies and cracks, and say by how much displacements are magnified.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw; its frame is taken away.
+    look : Look
+        What to explain.
+    full : bool
+        Whether all bodies are fine.
+    wide : bool, optional
+        One row rather than one column.
+    """
     axes.set_axis_off()
-    bars: list[tuple[str, Any, Any]] = [("crack opening [µm]", HEAT, look.opening)]
+    bars: list[tuple[str, Any, Normalize]] = [("crack opening [µm]", HEAT, look.opening)]
     if look.stress is not None:
         bars.append(("largest principal stress [MPa]", TENSION, look.stress))
-    wide = axes.get_subplotspec() is not None and axes.get_subplotspec().get_gridspec().ncols == 1  # type: ignore[union-attr]
     for k, (name, colours, norm) in enumerate(bars):
-        place = (0.04 + 0.34 * k, 0.62, 0.28, 0.16) if wide else (0.04, 0.80 - 0.34 * k, 0.92, 0.07)
+        place = (0.02 + 0.36 * k, 0.68, 0.3, 0.17) if wide else (0.04, 0.80 - 0.34 * k, 0.92, 0.07)
         bar = axes.figure.colorbar(ScalarMappable(norm, colours), cax=axes.inset_axes(place), orientation="horizontal")
-        bar.set_label(name, color=INK, fontsize=9)
-        bar.ax.tick_params(colors=INK, labelsize=8)
-        bar.outline.set_visible(False)  # type: ignore[operator]
+        bar.set_label(name, color=INK, fontsize=9, labelpad=1)
+        bar.ax.tick_params(colors=INK, labelsize=8, pad=2)
+        bar.outline.set_visible(False)
     if look.stress is None:
         kinds = [(FINE, "fine")] if full else [(FINE, "fine"), (COARSE, "coarse")]
         axes.legend(
             handles=[Patch(facecolor=colour, edgecolor=EDGE, label=f"{name} bodies") for colour, name in kinds],
             loc="center left" if wide else "lower left",
-            bbox_to_anchor=(0.42, 0.66) if wide else (0.0, 0.18),
-            ncols=2 if wide else 1,
+            bbox_to_anchor=(0.38, 0.62) if wide else (0.0, 0.18),
             fontsize=9,
             labelcolor=INK,
             frameon=False,
         )
     axes.text(
         0.99 if wide else 0.04,
-        0.66 if wide else 0.08,
+        0.62 if wide else 0.08,
         f"section at half thickness\ndisplacements × {look.magnify:g}",
         transform=axes.transAxes,
         fontsize=9,

@@ -171,7 +171,7 @@ class Stage:
 
     def _colours(self, frame: Frame) -> Any:
         if self._look.stress is not None:
-            return TENSION(self._look.stress(1e-6 * frame.stress))
+            return TENSION(self._look.stress(1e-6 * frame.stress)).tolist()
         return np.where(frame.section.fine, FINE, COARSE).tolist()
 
     def _show_cracks(self, frame: Frame) -> None:
@@ -186,8 +186,8 @@ class Stage:
             for point, side in ((p, 0), (q, 0), (q, 1), (p, 1))
         ]
         share = np.asarray(self._look.opening(opening[shown]), dtype=np.float64)
-        colours = HEAT(share)
+        colours = HEAT(share).tolist()
         self._cracks.set_verts(list(1e3 * np.stack(corners, axis=1)))
         self._cracks.set_facecolor(colours)
         self._cracks.set_edgecolor(colours)
-        self._cracks.set_linewidth(self._thin * (0.7 + 1.1 * share))
+        self._cracks.set_linewidth((self._thin * (0.7 + 1.1 * share)).tolist())

@@ -85,8 +85,11 @@ def _frame(patch: Patch) -> tuple[FloatArray, FloatArray, FloatArray, float]:
     return middle, along, outward, 0.5 * float(np.ptp(reach))
 
 
-def _shape(middle: FloatArray, along: FloatArray, outward: FloatArray, corners: list[tuple[float, float]]) -> FloatArray:
-    return middle + np.array([a * along + b * outward for a, b in corners])
+def _shape(
+    middle: FloatArray, along: FloatArray, outward: FloatArray, corners: list[tuple[float, float]]
+) -> FloatArray:
+    a, b = np.array(corners, dtype=np.float64).T[:, :, None]
+    return np.asarray(middle + a * along + b * outward)
 
 
 def _support(kind: str, patch: Patch, size: float, extent: float) -> list[Symbol]:
@@ -104,7 +107,9 @@ def _support(kind: str, patch: Patch, size: float, extent: float) -> list[Symbol
         plate = 0.18 * size
         filled.append(_shape(middle, along, outward, [(-half, 0), (half, 0), (half, plate), (-half, plate)]))
     filled.append(
-        _shape(middle, along, outward, [(0, plate), (0.55 * size, plate + 0.9 * size), (-0.55 * size, plate + 0.9 * size)])
+        _shape(
+            middle, along, outward, [(0, plate), (0.55 * size, plate + 0.9 * size), (-0.55 * size, plate + 0.9 * size)]
+        )
     )
     base = plate + (0.9 if kind == "pin" else 1.12) * size
     lines = [_shape(middle, along, outward, [(-0.85 * size, base), (0.85 * size, base)])]

@@ -1,0 +1,209 @@
+"""Animation of a run: bodies grow finer, the crack opens, and the curve grows beside them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from fissura.errors import InputError
+from fissura.results import quantities as text
+from fissura.results.history import Frame, read_history
+from fissura.results.moments import draw_curve, draw_scales
+from fissura.results.pictures import BLUE, GREY, INK, gauge_unit, load_unit
+from fissura.results.result import Result
+from fissura.results.stage import COARSE, FINE, HEAT, Look, Stage, look_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from PIL.Image import Image
+
+__all__ = ["MOST_FRAMES", "animate", "chosen"]
+
+MOST_FRAMES = 120
+"""A run of more steps is shown at this many of them."""
+
+HOLD = 1.5
+"""How long the last frame is shown before the animation begins again [s]."""
+
+COLOURS = 128
+"""Colours of a GIF."""
+
+INCHES = 9.6
+"""Width of the figure; text has its natural size at 960 pixels."""
+
+FORMATS = (".gif", ".mp4")
+
+
+def animate(
+    folder: str | Path,
+    path: str | Path,
+    *,
+    fps: int = 10,
+    width: int = 960,
+    stress: bool = False,
+    most: int = MOST_FRAMES,
+) -> int:
+    """Write an animation of a run.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Folder of the run's results.
+    path : str or Path
+        File to write: ``.gif``, or ``.mp4`` where the program ffmpeg is installed.
+    fps : int, optional
+        Frames per second. GIF counts in hundredths of a second.
+    width : int, optional
+        Width in pixels; the height follows from the specimen's shape. Both are made even.
+    stress : bool, optional
+        Colour bodies by their largest principal stress instead of showing which are fine.
+    most : int, optional
+        Most frames; see `chosen`.
+
+    Returns
+    -------
+    int
+        Number of frames: the unloaded structure and every step, or ``most``.
+
+    Raises
+    ------
+    InputError
+        The folder does not hold the results of a run that has ended, with its section; the ending of the file is none
+        of the two; or ffmpeg is needed and missing, or fails.
+    OSError
+        The file cannot be written.
+    """
+    path = Path(path)
+    _check_format(path)
+    every = read_history(folder)
+    result, shown = Result.load(folder), [every[k] for k in chosen(every, most)]
+    pictures = _drawn(result, shown, look_of(result.case, shown, stress=stress), width)
+    temporary = path.with_name(f".{path.stem}.part{path.suffix}")
+    try:
+        if path.suffix.lower() == ".gif":
+            _write_gif(pictures, temporary, fps)
+        else:
+            _write_mp4(pictures, temporary, fps)
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+    return len(shown)
+
+
+def chosen(frames: Sequence[Frame], most: int = MOST_FRAMES) -> list[int]:
+    """Which frames to show: all, or ``most`` spread evenly, among them the first and the last one."""
+    if len(frames) <= most:
+        return list(range(len(frames)))
+    return [int(k) for k in np.unique(np.linspace(0, len(frames) - 1, most).round())]
+
+
+def _check_format(path: Path) -> None:
+    if path.suffix.lower() not in FORMATS:
+        raise InputError("--output", f"{path}: {path.suffix or 'no ending'} is not known", "a name in .gif or .mp4")
+    if path.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
+        raise InputError("--output", f"{path}: the program ffmpeg is not installed", "a name in .gif, or ffmpeg")
+
+
+def _drawn(result: Result, frames: Sequence[Frame], look: Look, width: int) -> Iterator[Image]:
+    """Pictures of frames, one after another."""
+    from PIL import Image
+
+    canvas, stage, curve = _canvas(result, look, width)
+    figure = canvas.figure
+    x_scale = gauge_unit(float(np.abs(result.gauge).max()))[0]
+    y_scale = load_unit(float(np.abs(result.load_values).max()))[0]
+    for line in curve.get_lines():
+        line.set(color=GREY, linewidth=1.2)
+    grown = curve.plot([], [], color=BLUE, linewidth=2.0, zorder=4)[0]
+    dot = curve.plot([], [], marker="o", markersize=6.5, color="white", markeredgecolor=BLUE, markeredgewidth=1.7,
+                     zorder=5, clip_on=False)[0]  # fmt: skip
+    title = figure.text(0.012, 0.965, "", fontsize=11, fontweight="bold", color=INK, va="top")
+    note = figure.text(0.988, 0.965, "", fontsize=10, color=INK, va="top", ha="right")
+    title.set_text(result.case.name)
+    gauge, load = np.append(0.0, result.gauge) * x_scale, np.append(0.0, result.load_values) * y_scale
+    steps = np.append(0, result.curve["step"])
+    for frame in frames:
+        stage.show(frame)
+        until = int(np.searchsorted(steps, frame.number, side="right"))
+        grown.set_data(gauge[:until], load[:until])
+        dot.set_data([frame.gauge * x_scale], [frame.load * y_scale])
+        note.set_text(f"{text.length(frame.gauge)},  {text.force(frame.load)},  {text.count(frame.bodies)} bodies")
+        canvas.draw()  # type: ignore[no-untyped-call]
+        pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+        yield Image.fromarray(pixels[..., :3].copy())
+
+
+def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, Stage, Axes]:
+    """Figure with the specimen on the left, the curve on the right, and what colours mean below."""
+    share = 0.64 if look.aspect > 1.5 else 0.54
+    head, foot = 0.45, 0.72
+    height = float(np.clip(share * INCHES / look.aspect + head + foot, 3.4, 7.0))
+    figure = Figure(figsize=(INCHES, height), dpi=2 * (width // 2) / INCHES)
+    figure.set_figheight(2 * round(0.5 * height * figure.dpi) / figure.dpi)
+    high = (height - head - foot) / height
+    stage = figure.add_axes((0.005, foot / height, share - 0.01, high))
+    curve = figure.add_axes((share + 0.065, (foot + 0.25) / height, 0.92 - share, high - 0.25 / height))
+    draw_curve(curve, result)
+    draw_scales(figure.add_axes((0.005, 0.0, share - 0.02, foot / height)), look, full=result.full, wide=True)
+    return FigureCanvasAgg(figure), Stage(stage, result.case, look, thin=0.9), curve
+
+
+def _write_gif(pictures: Iterator[Image], path: Path, fps: int) -> None:
+    """Write a GIF whose frames share one palette, which keeps it small and its colours steady."""
+    from PIL import Image
+
+    whole = list(pictures)
+    some = [*whole[:: max(len(whole) // 6, 1)][-6:], whole[-1]]
+    width, height = whole[0].size
+    # The colours of cracks cover little of a frame, but matter: half a frame of them is added.
+    shades = np.round(255 * HEAT(np.linspace(0.0, 1.0, width))[:, :3]).astype(np.uint8)
+    sample = Image.new("RGB", (width, height * len(some) + height // 2))
+    sample.paste(Image.fromarray(np.tile(shades, (height // 2, 1, 1))), (0, height * len(some)))
+    for k, picture in enumerate(some):
+        sample.paste(picture, (0, k * height))
+    palette = _with_flat_colours(sample.quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE))
+    flat = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in whole]
+    pause = max(round(100 / fps), 2) * 10
+    durations = [pause] * (len(flat) - 1) + [max(int(1000 * HOLD), pause)]
+    flat[0].save(path, format="GIF", save_all=True, append_images=flat[1:], duration=durations, loop=0, optimize=False)
+
+
+def _with_flat_colours(palette: Image) -> Image:
+    """Put the colours of large areas into a palette exactly, in the place of all that are close to them."""
+    values = np.array(palette.getpalette(), dtype=np.int64).reshape(-1, 3)
+    for colour in ("#ffffff", FINE, COARSE):
+        exact = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+        distance = ((values - exact) ** 2).sum(axis=1)
+        values[distance <= max(int(distance.min()), 3 * 4**2)] = exact
+    palette.putpalette(values.ravel().tolist())
+    return palette
+
+
+def _write_mp4(pictures: Iterator[Image], path: Path, fps: int) -> None:
+    """Hand the frames to ffmpeg, the last one for as long as a GIF shows it."""
+    first = next(pictures)
+    command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
+    command += ["-s", f"{first.width}x{first.height}", "-r", str(fps), "-i", "-", "-pix_fmt", "yuv420p", str(path)]
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdin is not None
+    picture = first
+    try:
+        process.stdin.write(first.tobytes())
+        for picture in pictures:
+            process.stdin.write(picture.tobytes())
+        for _ in range(round(HOLD * fps)):
+            process.stdin.write(picture.tobytes())
+    except BrokenPipeError:
+        pass  # it has ended early; its message says why
+    _, message = process.communicate()
+    if process.returncode != 0:
+        problem = message.decode(errors="replace").strip().splitlines()
+        raise InputError("--output", f"ffmpeg failed: {problem[-1] if problem else process.returncode}", "a .gif")
