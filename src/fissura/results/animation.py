@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_FRAMES", "animate", "chosen"]
 
-MOST_FRAMES = 120
+MOST_FRAMES = 100
 """A run of more steps is shown at this many of them."""
 
 HOLD = 1.5
@@ -123,8 +123,17 @@ def _drawn(result: Result, frames: Sequence[Frame], look: Look, width: int) -> I
     for line in curve.get_lines():
         line.set(color=GREY, linewidth=1.2)
     grown = curve.plot([], [], color=BLUE, linewidth=2.0, zorder=4)[0]
-    dot = curve.plot([], [], marker="o", markersize=6.5, color="white", markeredgecolor=BLUE, markeredgewidth=1.7,
-                     zorder=5, clip_on=False)[0]  # fmt: skip
+    dot = curve.plot(
+        [],
+        [],
+        marker="o",
+        markersize=6.5,
+        color="white",
+        markeredgecolor=BLUE,
+        markeredgewidth=1.7,
+        zorder=5,
+        clip_on=False,
+    )[0]
     title = figure.text(0.012, 0.965, "", fontsize=11, fontweight="bold", color=INK, va="top")
     note = figure.text(0.988, 0.965, "", fontsize=10, color=INK, va="top", ha="right")
     title.set_text(result.case.name)
@@ -179,7 +188,7 @@ def _write_gif(pictures: Iterator[Image], path: Path, fps: int) -> None:
 def _with_flat_colours(palette: Image) -> Image:
     """Put the colours of large areas into a palette exactly, in the place of all that are close to them."""
     values = np.array(palette.getpalette(), dtype=np.int64).reshape(-1, 3)
-    for colour in ("#ffffff", FINE, COARSE):
+    for colour in (FINE, COARSE, "#ffffff"):
         exact = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
         distance = ((values - exact) ** 2).sum(axis=1)
         values[distance <= max(int(distance.min()), 3 * 4**2)] = exact
@@ -203,6 +212,10 @@ def _write_mp4(pictures: Iterator[Image], path: Path, fps: int) -> None:
             process.stdin.write(picture.tobytes())
     except BrokenPipeError:
         pass  # it has ended early; its message says why
+    except BaseException:
+        process.kill()
+        process.communicate()
+        raise
     _, message = process.communicate()
     if process.returncode != 0:
         problem = message.decode(errors="replace").strip().splitlines()

@@ -148,8 +148,17 @@ def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
             Stage(axes, result.case, look, thin=0.7).show(frame)
             _caption(axes, f"{moment.letter}  {moment.name}" if result is a else "", frame)
     for axes, name in zip(panels[0], _titles(a, b), strict=True):
-        axes.annotate(name, (0, 1), xytext=(0, 26), xycoords="axes fraction", textcoords="offset points", fontsize=12,
-                      fontweight="bold", color=BLUE, va="bottom")  # fmt: skip
+        axes.annotate(
+            name,
+            (0, 1),
+            xytext=(0, 26),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            fontsize=12,
+            fontweight="bold",
+            color=BLUE,
+            va="bottom",
+        )
     draw_scales(lower.subplots(), look, full=a.full and b.full, wide=True)
     figure.savefig(path, dpi=DPI)
 
@@ -162,10 +171,23 @@ def draw_curve(axes: Axes, result: Result) -> None:
     axes.plot(np.append(0.0, gauge) * x_scale, np.append(0.0, load) * y_scale, color=BLUE, linewidth=1.8, zorder=3)
     refined = gauge[result.curve["refinements"] > 0] * x_scale
     if len(refined):
-        axes.vlines(refined, 0.0, 0.05, transform=axes.get_xaxis_transform(), color=ORANGE, linewidth=1.4,
-                    label="refinement", zorder=2)  # fmt: skip
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.03), fontsize=8, labelcolor=INK, frameon=False,
-                    handlelength=1.0)  # fmt: skip
+        axes.vlines(
+            refined,
+            0.0,
+            0.05,
+            transform=axes.get_xaxis_transform(),
+            color=ORANGE,
+            linewidth=1.4,
+            label="refinement",
+            zorder=2,
+        )
+        falls = load.argmax() < len(load) - 1 and gauge[load.argmax()] < 0.5 * gauge.max()
+        corner: dict[str, Any] = (
+            {"loc": "upper right", "bbox_to_anchor": (1.0, 0.97)}
+            if falls
+            else {"loc": "lower right", "bbox_to_anchor": (1.0, 0.03)}
+        )
+        axes.legend(fontsize=8, labelcolor=INK, frameon=False, handlelength=1.0, **corner)
     axes.set_xlim(min(0.0, 1.03 * float(gauge.min()) * x_scale), 1.03 * float(max(gauge.max(), 0.0)) * x_scale or None)
     axes.set_ylim(min(0.0, 1.2 * float(load.min()) * y_scale), 1.2 * float(max(load.max(), 0.0)) * y_scale or None)
     axes.set_xlabel(f"{gauge_name(result)} [{x_unit}]")
@@ -179,10 +201,29 @@ def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
     y_scale = load_unit(float(np.abs(result.load_values).max()))[0]
     for moment in shown:
         x, y = moment.frame.gauge * x_scale, moment.frame.load * y_scale
-        axes.plot(x, y, marker="o", markersize=7, color="white", markeredgecolor=BLUE, markeredgewidth=1.7, zorder=4,
-                  clip_on=False)  # fmt: skip
-        axes.annotate(moment.letter, (x, y), xytext=(0, 7), textcoords="offset points", ha="center", va="bottom",
-                      fontsize=10, fontweight="bold", color=INK, zorder=5)  # fmt: skip
+        axes.plot(
+            x,
+            y,
+            marker="o",
+            markersize=7,
+            color="white",
+            markeredgecolor=BLUE,
+            markeredgewidth=1.7,
+            zorder=4,
+            clip_on=False,
+        )
+        axes.annotate(
+            moment.letter,
+            (x, y),
+            xytext=(0, 7),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=10,
+            fontweight="bold",
+            color=INK,
+            zorder=5,
+        )
 
 
 def draw_scales(axes: Axes, look: Look, *, full: bool, wide: bool = False) -> None:
