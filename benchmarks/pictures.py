@@ -20,6 +20,7 @@ from fissura.results import Result, compare
 from fissura.results.animation import animate
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.moments import plot_bodies, plot_moments
+from fissura.results.palette import palette_of, with_palette
 
 ROOT = Path(__file__).parents[1]
 IMAGES = ROOT / "docs" / "images"
@@ -67,7 +68,7 @@ def run(name: str, folder: Path, *, full: bool = False, **control: object) -> Pa
 def shrink(path: Path, colours: int = 128) -> None:
     """Give a PNG a palette: flat colours need no more, and it becomes a third as large."""
     image = Image.open(path).convert("RGB")
-    image.quantize(colours, dither=Image.Dither.NONE).save(path, optimize=True)
+    with_palette(image, palette_of([image], colours)).save(path, optimize=True)
     print(f"{path.name}: {path.stat().st_size / 1e3:.0f} kB")
 
 

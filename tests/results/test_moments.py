@@ -68,7 +68,7 @@ def test_what_a_stage_shows_changes(folders):
     assert share(torn, FINE) > 0.2
     assert share(torn, COARSE) == 0.0
     assert share(coarse_again, FINE) == 0.0
-    red = ["#" + "".join(f"{round(255 * c):02x}" for c in HEAT(part)[:3]) for part in (0.63, 0.64, 0.65)]
+    red = ["#" + "".join(f"{round(255 * c):02x}" for c in HEAT(part)[:3]) for part in (0.79, 0.8, 0.81)]
     assert sum(share(before, colour) for colour in red) == 0.0
     assert sum(share(torn, colour) for colour in red) > 1e-3
 

@@ -17,9 +17,10 @@ from fissura.errors import InputError
 from fissura.results import quantities as text
 from fissura.results.history import Frame, read_history
 from fissura.results.moments import draw_curve, draw_scales
+from fissura.results.palette import palette_of, with_palette
 from fissura.results.pictures import BLUE, GREY, INK, gauge_unit, load_unit
 from fissura.results.result import Result
-from fissura.results.stage import COARSE, FINE, HEAT, Look, Stage, look_of
+from fissura.results.stage import Look, Stage, look_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -167,33 +168,12 @@ def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, St
 
 def _write_gif(pictures: Iterator[Image], path: Path, fps: int) -> None:
     """Write a GIF whose frames share one palette, which keeps it small and its colours steady."""
-    from PIL import Image
-
     whole = list(pictures)
-    some = [*whole[:: max(len(whole) // 6, 1)][-6:], whole[-1]]
-    width, height = whole[0].size
-    # The colours of cracks cover little of a frame, but matter: half a frame of them is added.
-    shades = np.round(255 * HEAT(np.linspace(0.0, 1.0, width))[:, :3]).astype(np.uint8)
-    sample = Image.new("RGB", (width, height * len(some) + height // 2))
-    sample.paste(Image.fromarray(np.tile(shades, (height // 2, 1, 1))), (0, height * len(some)))
-    for k, picture in enumerate(some):
-        sample.paste(picture, (0, k * height))
-    palette = _with_flat_colours(sample.quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE))
-    flat = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in whole]
+    palette = palette_of([*whole[:: max(len(whole) // 6, 1)][-6:], whole[-1]], COLOURS)
+    flat = [with_palette(picture, palette) for picture in whole]
     pause = max(round(100 / fps), 2) * 10
     durations = [pause] * (len(flat) - 1) + [max(int(1000 * HOLD), pause)]
     flat[0].save(path, format="GIF", save_all=True, append_images=flat[1:], duration=durations, loop=0, optimize=False)
-
-
-def _with_flat_colours(palette: Image) -> Image:
-    """Put the colours of large areas into a palette exactly, in the place of all that are close to them."""
-    values = np.array(palette.getpalette(), dtype=np.int64).reshape(-1, 3)
-    for colour in (FINE, COARSE, "#ffffff"):
-        exact = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
-        distance = ((values - exact) ** 2).sum(axis=1)
-        values[distance <= max(int(distance.min()), 3 * 4**2)] = exact
-    palette.putpalette(values.ravel().tolist())
-    return palette
 
 
 def _write_mp4(pictures: Iterator[Image], path: Path, fps: int) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.colors import LinearSegmentedColormap, Normalize, PowerNorm
 from numpy.typing import NDArray
 
 from fissura.results.pictures import INK
@@ -45,7 +45,7 @@ class Look:
     magnify : float
         Factor on displacements.
     opening : Normalize
-        Crack openings [µm] that the ends of `HEAT` stand for.
+        Crack openings [µm] that `HEAT` stands for, by their square root: small ones must be seen, too.
     stress : Normalize or None
         Stresses [MPa] that the ends of `TENSION` stand for; None: bodies show whether they are fine.
     window : (4,) array
@@ -92,7 +92,7 @@ def look_of(case: Case, frames: Sequence[Frame], *, stress: bool = False, magnif
     largest_stress = max(float(np.quantile(frame.stress, 0.99)) for frame in frames) if stress else 0.0
     return Look(
         magnify,
-        Normalize(0.0, 1e6 * widest or 1.0),
+        PowerNorm(0.5, 0.0, 1e6 * widest or 1.0),
         Normalize(0.0, 1e-6 * max(largest_stress, 0.0) or 1.0) if stress else None,
         1e3 * np.array([low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin]),
     )
@@ -130,7 +130,7 @@ class Stage:
     look : Look
         Scales and window.
     thin : float, optional
-        Factor on the width of lines.
+        Factor on the width of the lines around bodies.
     """
 
     def __init__(self, axes: Axes, case: Case, look: Look, thin: float = 1.0) -> None:
@@ -190,4 +190,4 @@ class Stage:
         self._cracks.set_verts(list(1e3 * np.stack(corners, axis=1)))
         self._cracks.set_facecolor(colours)
         self._cracks.set_edgecolor(colours)
-        self._cracks.set_linewidth((self._thin * (0.7 + 1.1 * share)).tolist())
+        self._cracks.set_linewidth((0.9 + 0.6 * share).tolist())
