@@ -535,6 +535,34 @@ def test_compare_without_results(tmp_path: Path) -> None:
     assert done.stderr.startswith("error: ")
 
 
+# Pictures of bodies
+
+
+def test_compare_bodies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    compared = SimpleNamespace(table=lambda: [("peak load", "+1 %")], plot=lambda path: path.write_text("x"))
+    monkeypatch.setattr(import_module("fissura.results.compare"), "compare", lambda a, b: compared)
+    drawn: list[Path] = []
+    monkeypatch.setattr("fissura.results.moments.plot_bodies", lambda comparison, path: drawn.append(path))
+    assert call("compare", "a", "b", "--bodies", "--plot", tmp_path / "p.pdf").exit_code == 0
+    assert drawn == [tmp_path / "p_bodies.pdf"]
+
+
+@pytest.mark.parametrize("name", ["animate", "moments"])
+def test_pictures_without_results(tmp_path: Path, name: str) -> None:
+    done = call(name, tmp_path / "nowhere")
+    assert done.exit_code == 2
+    assert "there is no such folder" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "wrong", [["--fps", "0"], ["--fps", "99"], ["--size", "10"], ["--output", "x.avi"], ["--output", "x"]]
+)
+def test_animate_refuses(tmp_path: Path, wrong: list[str]) -> None:
+    done = call("animate", tmp_path, *wrong)
+    assert done.exit_code == 2
+    assert wrong[0] in done.stderr
+
+
 # The command as users start it, and nothing faked
 
 
@@ -561,6 +589,25 @@ def test_check_of_a_tiny_beam(tiny: Path) -> None:
     done = call("check", tiny)
     assert done.exit_code == 0, done.output
     assert "bodies at full resolution" in done.stdout
+
+
+def test_pictures_of_a_tiny_beam(tiny: Path) -> None:
+    folder = tiny.parent / "pictures"
+    assert call("run", tiny, "--output", folder, "--quiet").exit_code == 0
+    done = call("moments", folder)
+    assert (done.exit_code, done.stdout) == (0, f"picture: {folder / 'moments.png'}\n")
+    done = call("animate", folder, "--size", "320", "--fps", "5")
+    assert done.exit_code == 0
+    steps = json.loads((folder / "summary.json").read_text())["steps"]
+    assert done.stdout == f"animation: {folder / 'refinement.gif'}, {min(steps + 1, 100)} frames\n"
+    assert (folder / "refinement.gif").stat().st_size > 0
+    done = call("moments", folder, "--output", folder / "x.abc")
+    assert done.exit_code == 2
+    assert "--output" in done.stderr
+    done = call("animate", folder, "--output", folder / "no" / "x.gif")
+    assert done.exit_code == 4
+    (folder / "section.npz").unlink()
+    assert "run again" in call("animate", folder).stderr
 
 
 def test_run_and_compare_a_tiny_beam(tiny: Path) -> None:

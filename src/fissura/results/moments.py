@@ -12,6 +12,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
@@ -247,6 +248,8 @@ def draw_scales(axes: Axes, look: Look, *, full: bool, wide: bool = False) -> No
     for k, (name, colours, norm) in enumerate(bars):
         place = (0.02 + 0.36 * k, 0.68, 0.3, 0.17) if wide else (0.04, 0.80 - 0.34 * k, 0.92, 0.07)
         bar = axes.figure.colorbar(ScalarMappable(norm, colours), cax=axes.inset_axes(place), orientation="horizontal")
+        bar.locator = MaxNLocator(4)
+        bar.update_ticks()
         bar.set_label(name, color=INK, fontsize=9, labelpad=1)
         bar.ax.tick_params(colors=INK, labelsize=8, pad=2)
         bar.outline.set_visible(False)

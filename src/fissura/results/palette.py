@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fissura.results.pictures import BLUE, ORANGE
 from fissura.results.stage import COARSE, FINE, HEAT
 
 if TYPE_CHECKING:
@@ -48,8 +49,8 @@ def palette_of(pictures: Sequence[Image], colours: int) -> Palette:
     sample.paste(Image.fromarray(np.tile(shades, (height // 2, 1, 1))), (0, height * len(pictures)))
     reduced = sample.quantize(colours, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     values = np.array(reduced.getpalette(), dtype=np.int64).reshape(-1, 3)[:colours]
-    # Large areas must have their colours exactly.
-    for colour in (FINE, COARSE, "#ffffff"):
+    # Large areas must have their colours exactly, and lines of the curve theirs.
+    for colour in (BLUE, ORANGE, FINE, COARSE, "#ffffff"):
         exact = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
         distance = np.linalg.norm(values - exact, axis=1)
         values[distance <= max(float(distance.min()), CLOSE)] = exact

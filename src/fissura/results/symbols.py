@@ -162,8 +162,9 @@ class Symbols:
         self._found = found
         self._filled = PolyCollection([], facecolors=[s.colour for s in found for _ in s.filled], zorder=6)
         self._lines = LineCollection([], colors=[s.colour for s in found for _ in s.lines], linewidths=1.3, zorder=6)
-        axes.add_collection(self._filled, autolim=False)
-        axes.add_collection(self._lines, autolim=False)
+        for collection in (self._filled, self._lines):
+            collection.set_clip_on(False)
+            axes.add_collection(collection, autolim=False)
 
     def place(self, moved: FloatArray) -> None:
         """Move the symbols by the displacements of their anchors, shape (n, 2) [m]."""
