@@ -2,7 +2,8 @@
 
 Breaks examples/beam_d200.toml far past its peak, adaptively and at full resolution, and an unnotched beam, and writes
 docs/images/beam_d200_moments.png, beam_d200_bodies.png, beam_d200_refinement.gif and unnotched_moments.png. Results
-are kept in the folder given (default results/pictures) and used again when they are there.
+are kept in the folder given (default results/pictures) and used again when they are there. --large runs
+examples/beam_d400.toml, too, and times its pictures.
 """
 
 from __future__ import annotations
@@ -72,10 +73,24 @@ def shrink(path: Path, colours: int = 128) -> None:
     print(f"{path.name}: {path.stat().st_size / 1e3:.0f} kB")
 
 
+def time_pictures(folder: Path) -> None:
+    start = time.process_time()
+    plot_moments(folder, folder / "moments.png")
+    middle = time.process_time()
+    frames = animate(folder, folder / "refinement.gif")
+    last = time.process_time() - middle
+    print(f"{folder.name}: moments {middle - start:.1f} s, animation {last:.1f} s for {frames} frames")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", nargs="?", type=Path, default=ROOT / "results" / "pictures")
-    folder = parser.parse_args().folder
+    parser.add_argument("--large", action="store_true", help="run beam_d400, too, and time its pictures")
+    options = parser.parse_args()
+    folder: Path = options.folder
+    if options.large:
+        for full in (False, True):
+            time_pictures(run("beam_d400", folder / f"beam_d400{'_full' * full}", full=full))
     adaptive = run("beam_d200", folder / "beam_d200", target=TARGET)
     full = run("beam_d200", folder / "beam_d200_full", full=True, target=TARGET)
     unnotched = run("unnotched_beam", folder / "unnotched_beam")

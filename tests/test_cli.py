@@ -563,6 +563,27 @@ def test_animate_refuses(tmp_path: Path, wrong: list[str]) -> None:
     assert wrong[0] in done.stderr
 
 
+def test_pictures_of_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from results.pictured import LOADS, record
+
+    folder = tmp_path / "run"
+    record(folder)
+    monkeypatch.setattr("fissura.results.moments.DPI", 60)
+    done = call("moments", folder)
+    assert (done.exit_code, done.stdout) == (0, f"picture: {folder / 'moments.png'}\n")
+    done = call("animate", folder, "--size", "320", "--fps", "5")
+    assert done.exit_code == 0
+    assert done.stdout == f"animation: {folder / 'refinement.gif'}, {len(LOADS) + 1} frames\n"
+    assert (folder / "refinement.gif").stat().st_size > 0
+    done = call("moments", folder, "--output", folder / "x.abc")
+    assert done.exit_code == 2
+    assert "--output" in done.stderr
+    done = call("animate", folder, "--output", folder / "no" / "x.gif")
+    assert done.exit_code == 4
+    (folder / "section.npz").unlink()
+    assert "run again" in call("animate", folder).stderr
+
+
 # The command as users start it, and nothing faked
 
 
@@ -589,25 +610,6 @@ def test_check_of_a_tiny_beam(tiny: Path) -> None:
     done = call("check", tiny)
     assert done.exit_code == 0, done.output
     assert "bodies at full resolution" in done.stdout
-
-
-def test_pictures_of_a_tiny_beam(tiny: Path) -> None:
-    folder = tiny.parent / "pictures"
-    assert call("run", tiny, "--output", folder, "--quiet").exit_code == 0
-    done = call("moments", folder)
-    assert (done.exit_code, done.stdout) == (0, f"picture: {folder / 'moments.png'}\n")
-    done = call("animate", folder, "--size", "320", "--fps", "5")
-    assert done.exit_code == 0
-    steps = json.loads((folder / "summary.json").read_text())["steps"]
-    assert done.stdout == f"animation: {folder / 'refinement.gif'}, {min(steps + 1, 100)} frames\n"
-    assert (folder / "refinement.gif").stat().st_size > 0
-    done = call("moments", folder, "--output", folder / "x.abc")
-    assert done.exit_code == 2
-    assert "--output" in done.stderr
-    done = call("animate", folder, "--output", folder / "no" / "x.gif")
-    assert done.exit_code == 4
-    (folder / "section.npz").unlink()
-    assert "run again" in call("animate", folder).stderr
 
 
 def test_run_and_compare_a_tiny_beam(tiny: Path) -> None:
