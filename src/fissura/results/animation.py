@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import subprocess
@@ -84,6 +85,8 @@ def animate(
     """
     path = Path(path)
     _check_format(path)
+    if not path.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path.parent))
     every = read_history(folder)
     result, shown = Result.load(folder), [every[k] for k in chosen(every, most)]
     pictures = _drawn(result, shown, look_of(result.case, shown, stress=stress), width)
