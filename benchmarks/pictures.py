@@ -66,7 +66,7 @@ def run(name: str, folder: Path, *, full: bool = False, **control: object) -> Pa
     return folder
 
 
-def shrink(path: Path, colours: int = 128) -> None:
+def shrink(path: Path, colours: int = 200) -> None:
     """Give a PNG a palette: flat colours need no more, and it becomes a third as large."""
     image = Image.open(path).convert("RGB")
     with_palette(image, palette_of([image], colours)).save(path, optimize=True)

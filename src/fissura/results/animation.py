@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 from fissura.errors import InputError
 from fissura.results import quantities as text
 from fissura.results.history import Frame, read_history
-from fissura.results.moments import draw_curve, draw_scales
 from fissura.results.palette import palette_of, with_palette
+from fissura.results.panels import draw_curve, draw_scales
 from fissura.results.pictures import BLUE, GREY, INK, gauge_unit, load_unit
 from fissura.results.result import Result
 from fissura.results.stage import Look, Stage, look_of

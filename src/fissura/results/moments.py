@@ -5,29 +5,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.results import quantities as text
 from fissura.results.history import Frame, read_history
-from fissura.results.pictures import BLUE, DPI, INK, ORANGE, gauge_name, gauge_unit, load_unit, tidy
+from fissura.results.panels import draw_curve, draw_scales
+from fissura.results.pictures import BLUE, DPI, INK, gauge_unit, load_unit
 from fissura.results.result import Result
-from fissura.results.stage import COARSE, EDGE, FINE, HEAT, TENSION, Look, Stage, look_of
+from fissura.results.stage import Stage, look_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fissura.results.compare import Comparison
 
-__all__ = ["Moment", "draw_scales", "moments", "plot_bodies", "plot_moments"]
+__all__ = ["Moment", "moments", "plot_bodies", "plot_moments"]
 
 FloatArray = NDArray[np.float64]
 
@@ -164,38 +161,6 @@ def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
     figure.savefig(path, dpi=DPI)
 
 
-def draw_curve(axes: Axes, result: Result) -> None:
-    """Draw load over gauge in the units of the other pictures, with ticks where the discretization changed."""
-    gauge, load = result.gauge, result.load_values
-    x_scale, x_unit = gauge_unit(float(np.abs(gauge).max()))
-    y_scale, y_unit = load_unit(float(np.abs(load).max()))
-    axes.plot(np.append(0.0, gauge) * x_scale, np.append(0.0, load) * y_scale, color=BLUE, linewidth=1.8, zorder=3)
-    refined = gauge[result.curve["refinements"] > 0] * x_scale
-    if len(refined):
-        axes.vlines(
-            refined,
-            0.0,
-            0.05,
-            transform=axes.get_xaxis_transform(),
-            color=ORANGE,
-            linewidth=1.4,
-            label="refinement",
-            zorder=2,
-        )
-        falls = load.argmax() < len(load) - 1 and gauge[load.argmax()] < 0.5 * gauge.max()
-        corner: dict[str, Any] = (
-            {"loc": "upper right", "bbox_to_anchor": (1.0, 0.97)}
-            if falls
-            else {"loc": "lower right", "bbox_to_anchor": (1.0, 0.03)}
-        )
-        axes.legend(fontsize=8, labelcolor=INK, frameon=False, handlelength=1.0, **corner)
-    axes.set_xlim(min(0.0, 1.03 * float(gauge.min()) * x_scale), 1.03 * float(max(gauge.max(), 0.0)) * x_scale or None)
-    axes.set_ylim(min(0.0, 1.2 * float(load.min()) * y_scale), 1.2 * float(max(load.max(), 0.0)) * y_scale or None)
-    axes.set_xlabel(f"{gauge_name(result)} [{x_unit}]")
-    axes.set_ylabel(f"load [{y_unit}]")
-    tidy(axes)
-
-
 def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
     """Mark moments on a curve that `draw_curve` drew."""
     x_scale = gauge_unit(float(np.abs(result.gauge).max()))[0]
@@ -225,54 +190,6 @@ def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
             color=INK,
             zorder=5,
         )
-
-
-def draw_scales(axes: Axes, look: Look, *, full: bool, wide: bool = False) -> None:
-    """Explain the colours of bodies and cracks, and say by how much displacements are magnified.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw; its frame is taken away.
-    look : Look
-        What to explain.
-    full : bool
-        Whether all bodies are fine.
-    wide : bool, optional
-        One row rather than one column.
-    """
-    axes.set_axis_off()
-    bars: list[tuple[str, Any, Normalize]] = [("crack opening [µm]", HEAT, look.opening)]
-    if look.stress is not None:
-        bars.append(("largest principal stress [MPa]", TENSION, look.stress))
-    for k, (name, colours, norm) in enumerate(bars):
-        place = (0.02 + 0.36 * k, 0.68, 0.3, 0.17) if wide else (0.04, 0.80 - 0.34 * k, 0.92, 0.07)
-        bar = axes.figure.colorbar(ScalarMappable(norm, colours), cax=axes.inset_axes(place), orientation="horizontal")
-        bar.locator = MaxNLocator(4)
-        bar.update_ticks()
-        bar.set_label(name, color=INK, fontsize=9, labelpad=1)
-        bar.ax.tick_params(colors=INK, labelsize=8, pad=2)
-        bar.outline.set_visible(False)
-    if look.stress is None:
-        kinds = [(FINE, "fine")] if full else [(FINE, "fine"), (COARSE, "coarse")]
-        axes.legend(
-            handles=[Patch(facecolor=colour, edgecolor=EDGE, label=f"{name} bodies") for colour, name in kinds],
-            loc="center left" if wide else "lower left",
-            bbox_to_anchor=(0.38, 0.62) if wide else (0.0, 0.18),
-            fontsize=9,
-            labelcolor=INK,
-            frameon=False,
-        )
-    axes.text(
-        0.99 if wide else 0.04,
-        0.62 if wide else 0.08,
-        f"section at half thickness\ndisplacements × {look.magnify:g}",
-        transform=axes.transAxes,
-        fontsize=9,
-        color=INK,
-        ha="right" if wide else "left",
-        va="center",
-    )
 
 
 def _caption(axes: Axes, name: str, frame: Frame) -> None:

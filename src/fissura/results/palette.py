@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fissura.results.pictures import BLUE, ORANGE
-from fissura.results.stage import COARSE, FINE, HEAT
+from fissura.results.stage import COARSE, FINE, HEAT, TENSION
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -41,12 +41,13 @@ def palette_of(pictures: Sequence[Image], colours: int) -> Palette:
     from PIL import Image
 
     width, height = pictures[0].size
-    # The colours of cracks cover little of a picture, but matter: half a picture of them is added.
-    shades = np.round(255 * HEAT(np.linspace(0.0, 1.0, width))[:, :3]).astype(np.uint8)
+    # The colours of cracks cover little of a picture, but matter: half a picture of them is added; likewise stress.
+    part = np.linspace(0.0, 1.0, width)
+    shades = np.round(255 * np.stack([HEAT(part), TENSION(part)])[..., :3]).astype(np.uint8)
     sample = Image.new("RGB", (width, height * len(pictures) + height // 2))
     for k, picture in enumerate(pictures):
         sample.paste(picture, (0, k * height))
-    sample.paste(Image.fromarray(np.tile(shades, (height // 2, 1, 1))), (0, height * len(pictures)))
+    sample.paste(Image.fromarray(np.repeat(shades, height // 4, axis=0)), (0, height * len(pictures)))
     reduced = sample.quantize(colours, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     values = np.array(reduced.getpalette(), dtype=np.int64).reshape(-1, 3)[:colours]
     # Large areas must have their colours exactly, and lines of the curve theirs.
