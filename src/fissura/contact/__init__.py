@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fissura.contact.kinematics import Kinematics, add_stiffness, contact_strains, kinematics, nodal_forces
+from fissura.contact.kinematics import (
+    Kinematics,
+    add_stiffness,
+    contact_strains,
+    kinematics,
+    kinematics_of,
+    nodal_forces,
+)
 from fissura.contact.law import CusatisCedolin
 from fissura.contact.stress import body_stress
 from fissura.errors import InputError
@@ -20,6 +27,7 @@ __all__ = [
     "body_stress",
     "contact_strains",
     "kinematics",
+    "kinematics_of",
     "law_from_case",
     "nodal_forces",
 ]

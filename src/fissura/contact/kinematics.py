@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from fissura.tessellation import Contacts, Tessellation
 
-__all__ = ["Kinematics", "add_stiffness", "contact_strains", "kinematics", "nodal_forces", "tangent_directions"]
+__all__ = [
+    "Kinematics",
+    "add_stiffness",
+    "contact_strains",
+    "kinematics",
+    "kinematics_of",
+    "nodal_forces",
+    "tangent_directions",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -57,12 +65,27 @@ def tangent_directions(normal: FloatArray) -> FloatArray:
 
 def kinematics(tessellation: Tessellation) -> Kinematics:
     """Geometry of all contacts in the form that the kernels use."""
-    contacts: Contacts = tessellation.contacts
-    x, bodies, n = tessellation.x, contacts.bodies, len(tessellation)
+    x, contacts = tessellation.x, tessellation.contacts
+    return kinematics_of(contacts, x[contacts.bodies[:, 0]], x[contacts.bodies[:, 1]], len(x))
+
+
+def kinematics_of(contacts: Contacts, x_i: FloatArray, x_j: FloatArray, n: int) -> Kinematics:
+    """Geometry of contacts whose bodies need not be where their numbers say, as images in periodic structures.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        The contacts.
+    x_i, x_j : (m, 3) array
+        Nuclei of the two bodies of each [m].
+    n : int
+        Number of bodies.
+    """
+    bodies = contacts.bodies
     frame = np.concatenate([contacts.normal[:, None, :], tangent_directions(contacts.normal)], axis=1)
     rows = np.empty((len(contacts), 3, 12))
-    for side, sign in ((0, -1.0), (1, 1.0)):
-        arm = contacts.centroid - x[bodies[:, side]]
+    for side, sign, x in ((0, -1.0, x_i), (1, 1.0, x_j)):
+        arm = contacts.centroid - x
         rows[:, :, 6 * side : 6 * side + 3] = sign * frame
         # a . (theta x r) = theta . (r x a)
         rows[:, :, 6 * side + 3 : 6 * side + 6] = sign * np.cross(arm[:, None, :], frame)

@@ -1,0 +1,129 @@
+"""Voronoi structures that repeat themselves: a cube whose bodies touch images of each other across its faces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.tessellation.cell import clip_cells
+from fissura.tessellation.grid import grid_of
+from fissura.tessellation.measures import lines, polygon_measures, volumes
+from fissura.tessellation.periodic_placement import place_periodic
+from fissura.tessellation.ragged import Ragged
+from fissura.tessellation.structure import Contacts, Polygons
+
+__all__ = ["PeriodicCell", "periodic_cell"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Thickness of the layer of images around the cube, in spacings. No point of a saturated cube is farther than one from
+#: a nucleus, so no nucleus farther than two has any influence on a cell; the rest keeps the outer box out of reach.
+_LAYER = 2.5
+
+_NEGLIGIBLE = 1e-10  # of the squared spacing: facets that exist by round-off only
+
+
+@dataclass(frozen=True)
+class PeriodicCell:
+    """A cube of bodies and contacts, repeated along all three axes.
+
+    Attributes
+    ----------
+    side : float
+        Side of the cube [m].
+    x : (n, 3) array
+        Nuclei [m].
+    volume : (n,) array
+        Volumes of the bodies [m^3]; bodies may stick out of the cube, their images fill what is left.
+    contacts : Contacts
+        Every contact once. Body ``j`` is there with one of its images, so ``x_j + shift - x_i = L n``; centroids are
+        those on the side of body ``i``.
+    shift : (m, 3) array
+        Where that image lies, relative to body ``j`` itself [m].
+    """
+
+    side: float
+    x: FloatArray
+    volume: FloatArray
+    contacts: Contacts
+    shift: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    @classmethod
+    def placed(cls, side: float, spacing: float, rng: np.random.Generator) -> PeriodicCell:
+        """Saturate a cube with nuclei at least `spacing` apart [m], and tessellate it."""
+        return periodic_cell(place_periodic(side, spacing, rng), side, spacing)
+
+
+def _images(x: FloatArray, side: float, layer: float) -> tuple[IntArray, IntArray]:
+    """Nuclei with an image in a layer around the cube, and the steps to it in sides; (g,), (g, 3)."""
+    steps = np.stack(np.meshgrid(*[np.arange(-1, 2)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    steps = steps[np.any(steps != 0, axis=1)]
+    place = x[None, :, :] + side * steps[:, None, :]
+    step, body = np.nonzero(np.all((place > -layer) & (place < side + layer), axis=2))
+    return body.astype(np.int64), steps[step].astype(np.int64)
+
+
+def periodic_cell(x: FloatArray, side: float, spacing: float) -> PeriodicCell:
+    """Tessellate a periodic cube.
+
+    Parameters
+    ----------
+    x : (n, 3) array
+        Nuclei in the cube [m], saturated: no point is farther than `spacing` from a nucleus or an image.
+    side : float
+        Side of the cube [m].
+    spacing : float
+        Distance of neighbouring nuclei [m].
+
+    Raises
+    ------
+    ValueError
+        Nuclei that coincide, or are not saturated.
+    """
+    n, layer = len(x), _LAYER * spacing
+    body, step = _images(x, side, layer)
+    of = np.concatenate([np.arange(n), body])
+    steps = np.concatenate([np.zeros((n, 3), np.int64), step])
+    everywhere = np.ascontiguousarray(x[of] + side * steps + layer)
+    size = np.full(3, side + 2.0 * layer)
+    grid = grid_of(everywhere, spacing)
+    order = grid.order[grid.order < n]
+    room = np.empty((45 * n + 64, 3))
+    guess = np.full(len(of), spacing)
+    reach2, count, other, corners, points = clip_cells(order, everywhere, size, guess, grid, room)
+    if (other < 0).any() or reach2.max() > layer**2:
+        raise ValueError("the nuclei are not saturated")
+    polygons = Ragged(points - layer, np.concatenate([[0], np.cumsum(corners)]), np.arange(len(corners)))
+    area, _ = polygon_measures(polygons)
+    i = np.repeat(order, count)
+    # A contact across a face is found from both of its sides: the one whose image lies in positive direction counts.
+    ahead = np.sign(steps[other]) @ np.array([9, 3, 1])
+    kept = np.flatnonzero((ahead >= 0) & (area > _NEGLIGIBLE * spacing**2))
+    kept = kept[np.lexsort((ahead[kept], of[other[kept]], i[kept]))]
+    polygons = polygons.take(kept)
+    area, centroid = polygon_measures(polygons)
+    bodies = np.stack([i[kept], other[kept]], axis=1)
+    direction, length = lines(everywhere, bodies)
+    paired = np.stack([bodies[:, 0], of[bodies[:, 1]]], axis=1)
+    none, nothing, no_vector = np.empty(0, np.int64), np.empty(0), np.empty((0, 3))
+    return PeriodicCell(
+        side,
+        x,
+        volumes(x, paired, area, length, none, nothing, no_vector, no_vector),
+        Contacts(
+            bodies=paired,
+            area=area,
+            centroid=centroid,
+            normal=direction,
+            length=length,
+            fine=np.ones(len(kept), np.bool_),
+            polygons=Polygons(polygons.points, polygons.offsets, np.arange(len(kept))),
+        ),
+        side * steps[bodies[:, 1]].astype(float),
+    )
