@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from fissura.bulk import bulk_law
 from fissura.case import Case
 from fissura.errors import InputError
 
@@ -56,6 +57,11 @@ class CheckReport:
         Largest energy of a step [J] that is led by dissipated energy; 0 if energy does not lead.
     warnings : tuple of str
         What the user should know before running.
+    contact : tuple of float
+        Elastic constants of the contacts: normal modulus [Pa], and tangential over normal stiffness.
+    macro : tuple of float, optional
+        Modulus of elasticity [Pa] and Poisson's ratio of the material as a whole; None where the table of bulk values
+        ends.
     """
 
     name: str
@@ -78,6 +84,8 @@ class CheckReport:
     stop_load: float = 0.0
     max_energy: float = 0.0
     warnings: tuple[str, ...] = field(default=())
+    contact: tuple[float, float] = (math.nan, math.nan)
+    macro: tuple[float, float] | None = None
 
     @property
     def fewest_steps(self) -> int:
@@ -106,6 +114,8 @@ class CheckReport:
         return [
             ("case", self.name),
             ("law, criterion", f"{self.law}, {self.criterion}"),
+            ("elastic, contacts", f"E {self.contact[0] / 1e9:.4g} GPa, alpha {self.contact[1]:.4g}"),
+            ("elastic, bulk", f"E {self.macro[0] / 1e9:.4g} GPa, nu {self.macro[1]:.3f}" if self.macro else "-"),
             ("bodies at start", f"{self.bodies_start}"),
             ("bodies at full resolution", f"{self.bodies_full}"),
             ("contacts at start", f"{self.contacts}, {self.fine_contacts} with damage"),
@@ -184,7 +194,17 @@ def report(case: Case) -> CheckReport:
         stop_load=case.control.stop_load,
         max_energy=_largest_energy(case),
         warnings=tuple(warnings),
+        contact=(case.material.E, case.material.alpha),
+        macro=_macro(case),
     )
+
+
+def _macro(case: Case) -> tuple[float, float] | None:
+    """Elastic constants of the bulk that a case's contacts give; None where the table ends."""
+    try:
+        return bulk_law().macroscopic(case.material.E, case.material.alpha)
+    except InputError:
+        return None
 
 
 def _largest_energy(case: Case) -> float:

@@ -30,6 +30,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+ELASTIC_ALPHA = "0.05,0.1,0.2,0.29,0.4,0.5,0.7,1"
+
 CaseArgument = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)]
 ResultArgument = Annotated[Path, typer.Argument(metavar="RESULT", help="Result folder.", show_default=False)]
 StressOption = Annotated[
@@ -285,6 +287,89 @@ def _writing(picture: Path, option: str) -> Iterator[None]:
         if isinstance(error, FissuraError):
             raise
         raise InputError(option, f"{picture}: {error}", "a name that ends in .png, .pdf or .svg") from None
+
+
+@app.command()
+def elastic(
+    case: Annotated[
+        Path | None, typer.Argument(metavar="[CASE]", help="Print the constants of this case.", show_default=False)
+    ] = None,
+    alpha: Annotated[str, typer.Option(help="Tangential over normal stiffness of contacts.")] = ELASTIC_ALPHA,
+    sizes: Annotated[str, typer.Option(help="Sides of cells and widths of prisms, in l_min.")] = "4,6,8,12",
+    seeds: Annotated[int, typer.Option(min=1, help="Number of structures of each kind and size.")] = 5,
+    aspect: Annotated[float, typer.Option(min=1.0, max=10.0, help="Length over width of prisms; 1: cubes.")] = 2.0,
+    modulus: Annotated[
+        str | None, typer.Option("--E", metavar="STRESS", help='Modulus of contacts, "60 GPa"; else all are relative.')
+    ] = None,
+    inverse: Annotated[
+        tuple[str, str] | None,
+        typer.Option(metavar="E=38GPa nu=0.18", help="Print the contact constants that give these of the material."),
+    ] = None,
+    output: Annotated[Path, typer.Option(help="Folder for table and pictures.")] = Path("results/elastic"),
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace earlier results there.")] = False,
+) -> None:
+    """Elastic constants of the material as a whole: computed from structures, of a case, or the inverse."""
+    with _errors():
+        from fissura.elasticity import request
+
+        if inverse is not None:
+            if case is not None:
+                raise InputError("--inverse", "is given together with a case", "one of both")
+            _print_table(request.inverse_rows(*request.parse_inverse(inverse)))
+        elif case is not None:
+            from fissura.case import load_case
+
+            _print_table(request.case_rows(load_case(case)))
+        else:
+            E = None if modulus is None else request.parse_modulus(modulus, "--E")
+            wanted = request.parse_numbers(alpha, "--alpha", 0.0, 1.0, above=True)
+            widths = request.parse_numbers(sizes, "--sizes", request.SMALLEST, request.LARGEST)
+            _elastic_study(wanted, widths, seeds, aspect, E, output, overwrite)
+
+
+def _elastic_study(
+    alphas: Sequence[float],
+    sizes: Sequence[float],
+    seeds: int,
+    aspect: float,
+    E: float | None,
+    output: Path,
+    overwrite: bool,
+) -> None:
+    """Compute, print and write a study of elastic constants."""
+    from rich.progress import Progress
+
+    from fissura.api import prepare_folder
+    from fissura.elasticity import request
+    from fissura.elasticity.study import structure_seeds, study
+
+    folder = prepare_folder(output, overwrite=overwrite)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("structures", total=None)
+        found = study(
+            alphas,
+            sizes,
+            structure_seeds(seeds),
+            aspect=aspect,
+            on_structure=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    for heads, rows in (request.study_table(found, E), request.layer_table(found)):
+        if rows:
+            _print_columns(heads, rows)
+    try:
+        names = request.write(found, folder, E)
+    except OSError as error:
+        _say(f"error: {folder}: cannot be written: {error.strerror or error}")
+        raise typer.Exit(NOT_WRITTEN) from None
+    typer.echo(f"written in {folder}: {', '.join(names)}")
+
+
+def _print_columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table with heads, columns aligned; wide ones are never wrapped."""
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    for row in (heads, *rows):
+        typer.echo("  ".join(f"{text:<{width}}" for text, width in zip(row, widths, strict=True)).rstrip())
+    typer.echo("")
 
 
 def _print_version(wanted: bool) -> None:

@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from fissura.bulk import bulk_law
 from fissura.case.types import (
     Axis,
     Count,
@@ -27,6 +28,7 @@ from fissura.case.types import (
     Fraction,
     Length,
     Point,
+    PoissonRatio,
     PositiveCount,
     PositiveEnergyPerArea,
     PositiveLength,
@@ -38,6 +40,7 @@ from fissura.case.types import (
     as_tuple,
     derived,
     fail,
+    instead,
 )
 from fissura.case.units import show
 
@@ -50,6 +53,7 @@ __all__ = [
     "Discretization",
     "Gauge",
     "Load",
+    "Macro",
     "Material",
     "Notch",
     "Output",
@@ -153,12 +157,31 @@ class BoxRegion(Part):
 Region = Annotated[BallRegion | BoxRegion, Field(discriminator="type")]
 
 
+class Macro(Part):
+    """Elastic constants of the material as a whole (theory section 2)."""
+
+    E: PositiveStress = Field(description='a stress such as "38 GPa"')
+    nu: PoissonRatio = Field(description="a number such as 0.18")
+
+    @property
+    def contact(self) -> tuple[float, float]:
+        """``E`` [Pa] and ``alpha`` of the contacts."""
+        return bulk_law().contact(self.E, self.nu)
+
+
 class Material(Part):
-    """Constants of the contact law (theory section 3)."""
+    """Constants of the contact law (theory section 3); `macro` only serves to find two of them and is None then."""
 
     law: str = Field(default="cusatis-cedolin", description="the name of a law")
-    E: PositiveStress = Field(description='a stress such as "60 GPa"')
-    alpha: Fraction = Field(description="a number above 0 and at most 1")
+    macro: Macro | None = Field(default=None, exclude=True, description="a table with E and nu")
+    E: PositiveStress = Field(
+        default_factory=instead("macro", lambda macro: macro.contact[0]),
+        description='a stress such as "60 GPa", or macro = { E, nu } instead of E and alpha',
+    )
+    alpha: Fraction = Field(
+        default_factory=instead("macro", lambda macro: macro.contact[1]),
+        description="a number above 0 and at most 1, or macro = { E, nu } instead of E and alpha",
+    )
     f_t: PositiveStress = Field(description='a stress such as "2.2 MPa"')
     G_t: PositiveEnergyPerArea = Field(description='an energy per area such as "35 J/m^2"')
     f_s: PositiveStress = Field(default_factory=derived(lambda f_t: 3.0 * f_t, "f_t"))
@@ -169,6 +192,16 @@ class Material(Part):
     beta: Factor = 1.0
     n_c: Factor = 2.0
     elastic: Annotated[tuple[Region, ...], BeforeValidator(as_tuple)] = ()
+
+    @model_validator(mode="after")
+    def _either_contacts_or_whole(self) -> Self:
+        if self.macro is not None:
+            for key in ("E", "alpha"):
+                if key in self.model_fields_set:
+                    fail("is given together with macro", "either macro = { E, nu }, or E and alpha", key)
+            # What was given is in `E` and `alpha` now. A case read again from its resolved values is the same case.
+            self.__dict__["macro"] = None
+        return self
 
 
 class Discretization(Part):

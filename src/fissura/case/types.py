@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, NoReturn
 from pydantic import BeforeValidator, ValidationInfo
 from pydantic_core import PydanticCustomError
 
+from fissura.bulk import bulk_law
 from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, Dimension, show, to_si
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "Fraction",
     "Length",
     "Point",
+    "PoissonRatio",
     "PositiveCount",
     "PositiveEnergyPerArea",
     "PositiveLength",
@@ -33,11 +35,12 @@ __all__ = [
     "as_tuple",
     "derived",
     "fail",
+    "instead",
 ]
 
 Axis = Literal["x", "y", "z"]
 LARGEST_INTEGER = 2**63 - 1
-_WAITING = object()
+_WAITING, _MISSING = object(), object()
 
 
 def fail(problem: str, allowed: str = "", key: str = "") -> NoReturn:
@@ -78,6 +81,25 @@ def derived(function: Callable[..., float], *keys: str) -> Callable[[dict[str, A
     return default
 
 
+def instead(key: str, function: Callable[[Any], float]) -> Callable[[dict[str, Any]], Any]:
+    """Default of a field that is required unless another key of the same table, which stands before it, is given.
+
+    Parameters
+    ----------
+    key : str
+        Name of the other key, whose value is None when it is not given.
+    function : callable
+        Takes its value.
+    """
+
+    def default(data: dict[str, Any]) -> Any:
+        if key not in data:
+            return _WAITING
+        return _MISSING if data[key] is None else function(data[key])
+
+    return default
+
+
 def _quantity(
     dimension: Dimension, above: float = -math.inf, *, equal: bool = False, below: float = math.inf
 ) -> Callable[[Any], float]:
@@ -93,6 +115,8 @@ def _quantity(
     def validate(value: Any) -> float:
         if value is _WAITING:
             raise PydanticCustomError("waiting", "its default depends on a key that is wrong")
+        if value is _MISSING:
+            raise PydanticCustomError("missing", "missing")
         try:
             number = to_si(value, dimension)
         except ValueError as error:
@@ -103,6 +127,18 @@ def _quantity(
         return number
 
     return validate
+
+
+def _poisson(value: Any) -> float:
+    law = bulk_law()
+    least, most = law.range
+    try:
+        number = to_si(value, NUMBER)
+    except ValueError as error:
+        fail(str(error), law.allowed)
+    if not least <= number <= most:
+        fail(f"{show(value)} cannot be reached", law.allowed)
+    return number
 
 
 def _integer(smallest: int) -> Callable[[Any], int]:
@@ -180,6 +216,7 @@ Length = Annotated[float, BeforeValidator(_quantity(LENGTH))]
 PositiveLength = Annotated[float, BeforeValidator(_quantity(LENGTH, 0.0))]
 Thickness = Annotated[float, BeforeValidator(_quantity(LENGTH, 0.0, equal=True))]
 PositiveStress = Annotated[float, BeforeValidator(_quantity(STRESS, 0.0))]
+PoissonRatio = Annotated[float, BeforeValidator(_poisson)]
 PositiveEnergyPerArea = Annotated[float, BeforeValidator(_quantity(ENERGY_PER_AREA, 0.0))]
 Factor = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0))]
 Fraction = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, below=1.0))]

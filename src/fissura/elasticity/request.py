@@ -1,0 +1,238 @@
+"""What the command `fissura elastic` is asked for, and its answers as rows of tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fissura.bulk import bulk_law, voigt
+from fissura.case.units import NUMBER, STRESS, Dimension, to_si
+from fissura.errors import InputError
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+    from fissura.elasticity.study import Study
+
+__all__ = [
+    "LARGEST",
+    "SMALLEST",
+    "case_rows",
+    "inverse_rows",
+    "layer_table",
+    "parse_inverse",
+    "parse_modulus",
+    "parse_numbers",
+    "study_table",
+    "write",
+    "write_csv",
+]
+
+#: Sizes of cells and prisms in ``l_min``: smaller ones have bodies that touch themselves, larger ones take gigabytes.
+SMALLEST, LARGEST = 4.0, 20.0
+
+_CONCRETE = 0.29
+_KINDS = {"periodic": "periodic cell", "gauge": "prism, gauge", "ends": "prism, end to end"}
+
+
+def parse_numbers(text: str, key: str, low: float, high: float, *, above: bool = False) -> tuple[float, ...]:
+    """Numbers separated by commas.
+
+    Parameters
+    ----------
+    text : str
+        What the user wrote.
+    key : str
+        The option, for the message.
+    low, high : float
+        Smallest and largest number allowed.
+    above : bool
+        Whether `low` itself is not allowed.
+
+    Raises
+    ------
+    InputError
+        Text that is not such a list.
+    """
+    limits = f"{'above' if above else 'from'} {low:g} to {high:g}"
+    allowed = f"numbers {limits}, separated by commas"
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(key, f"{text!r} is not a list of numbers", allowed) from None
+    for number in numbers:
+        if not low <= number <= high or (above and number == low):
+            raise InputError(key, f"{number:g} is out of range", allowed)
+    return numbers
+
+
+def parse_modulus(text: str, key: str) -> float:
+    """A modulus with its unit, or a plain number in Pa; in Pa.
+
+    Raises
+    ------
+    InputError
+        Anything else.
+    """
+    return _positive(text, key, STRESS)
+
+
+def _positive(text: str, key: str, dimension: Dimension) -> float:
+    value: str | float = text
+    try:
+        value = float(text)
+    except ValueError:
+        if not dimension.unit:
+            raise InputError(key, f"{text!r} is not a number", dimension.allowed) from None
+    try:
+        number = to_si(value, dimension)
+    except ValueError as error:
+        raise InputError(key, str(error), dimension.allowed) from None
+    if number < 0.0 or (number == 0.0 and dimension.unit):
+        raise InputError(key, f"{text!r} is not positive", dimension.allowed)
+    return number
+
+
+def parse_inverse(parts: Sequence[str]) -> tuple[float, float]:
+    """Modulus of elasticity [Pa] and Poisson's ratio from ``E=38GPa`` and ``nu=0.18``, in any order.
+
+    Raises
+    ------
+    InputError
+        Anything else.
+    """
+    allowed = "E=38GPa nu=0.18"
+    found: dict[str, str] = {}
+    for part in parts:
+        name, sign, value = (piece.strip() for piece in part.partition("="))
+        if not sign or name not in ("E", "nu") or name in found:
+            raise InputError("--inverse", f"{part!r} is not understood", allowed)
+        found[name] = value
+    if set(found) != {"E", "nu"}:
+        raise InputError("--inverse", "needs both E and nu", allowed)
+    return _positive(found["E"], "--inverse E", STRESS), _positive(found["nu"], "--inverse nu", NUMBER)
+
+
+def _stress(value: float) -> str:
+    return f"{value / 1e9:.4g} GPa" if value >= 1e8 else f"{value / 1e6:.4g} MPa"
+
+
+def _constants(E: float, alpha: float) -> list[tuple[str, str]]:
+    """Rows of both sets of constants."""
+    macro, nu = bulk_law().macroscopic(E, alpha)
+    ratio, by_voigt = voigt(alpha)
+    return [
+        ("contacts: E", _stress(E)),
+        ("contacts: alpha", f"{alpha:.4g}"),
+        ("bulk: E", f"{_stress(macro)}, {macro / E:.4f} of that of the contacts"),
+        ("bulk: nu", f"{nu:.4f}"),
+        ("Voigt's estimate", f"E {_stress(ratio * E)}, nu {by_voigt:.4f}"),
+    ]
+
+
+def case_rows(case: Case) -> list[tuple[str, str]]:
+    """Elastic constants of a case's contacts and of its material as a whole.
+
+    Raises
+    ------
+    InputError
+        An `alpha` for which there are no bulk values.
+    """
+    try:
+        return [("case", case.name), *_constants(case.material.E, case.material.alpha)]
+    except InputError as error:
+        raise InputError(f"material.{error.key}", error.problem, error.allowed) from None
+
+
+def inverse_rows(E: float, nu: float) -> list[tuple[str, str]]:
+    """Contact constants that give a modulus of elasticity [Pa] and a Poisson's ratio.
+
+    Raises
+    ------
+    InputError
+        A Poisson's ratio that cannot be reached.
+    """
+    try:
+        contact, alpha = bulk_law().contact(E, nu)
+    except InputError as error:
+        raise InputError(f"--inverse {error.key}", error.problem, error.allowed) from None
+    case_file = f'material = {{ macro = {{ E = "{E / 1e9:g} GPa", nu = {nu:g} }}, ... }}'
+    return [*_constants(contact, alpha), ("in a case file", case_file)]
+
+
+def _number(value: float, decimals: int = 4) -> str:
+    return f"{value:.{decimals}f}" if math.isfinite(value) else "-"
+
+
+def study_table(found: Study, E: float | None = None) -> tuple[list[str], list[list[str]]]:
+    """Heads and rows of a study: means with half of their 95 % confidence interval, and standard deviations.
+
+    Parameters
+    ----------
+    found : Study
+        The study.
+    E : float, optional
+        Modulus of the contacts [Pa]; adds a column with the macroscopic one.
+    """
+    from fissura.elasticity.study import spread
+
+    heads = ["structure", "alpha", "l_min/size", "bodies", "seeds", "E/E_c", "std", "nu", "std", "anisotropy"]
+    rows = []
+    for row in found.rows:
+        modulus, deviation, half = spread(row.E)
+        nu, nu_deviation, nu_half = spread(row.nu)
+        line = [_KINDS[row.kind], f"{row.alpha:g}", f"{1.0 / row.size:.4f}", f"{row.bodies:.0f}", f"{row.seeds}"]
+        line += [f"{_number(modulus)} ± {_number(half)}", _number(deviation)]
+        line += [f"{_number(nu)} ± {_number(nu_half)}", _number(nu_deviation), _number(row.anisotropy)]
+        rows.append(line + ([] if E is None else [_stress(modulus * E)]))
+    return heads + ([] if E is None else ["E"]), rows
+
+
+def layer_table(found: Study) -> tuple[list[str], list[list[str]]]:
+    """Heads and rows of fits ``E = E_bulk (1 + c l_min/size)`` to prisms; no rows where there is too little to fit."""
+    heads = ["structure", "alpha", "E_bulk/E_c", "c"]
+    rows = []
+    for kind in ("gauge", "ends"):
+        for alpha in found.alphas:
+            fit = found.layer(kind, alpha)
+            if fit is not None:
+                limit = f"{_number(fit.E_bulk)} ± {_number(fit.E_bulk_error)}"
+                rows.append([_KINDS[kind], f"{alpha:g}", limit, f"{fit.c:+.3f} ± {fit.c_error:.3f}"])
+    return heads, rows
+
+
+def write_csv(found: Study, path: Path, E: float | None = None) -> None:
+    """Write all rows of a study as full numbers; moduli relative to that of the contacts, which `E` [Pa] adds."""
+    from fissura.elasticity.study import spread
+
+    head = "structure,alpha,l_min_over_size,bodies,seeds,E_ratio,E_ratio_std,E_ratio_ci95,nu,nu_std,nu_ci95,anisotropy"
+    lines = [head + ("" if E is None else ",E_Pa")]
+    for row in found.rows:
+        modulus, nu = spread(row.E), spread(row.nu)
+        numbers = [row.alpha, 1.0 / row.size, row.bodies, row.seeds, *modulus, *nu, row.anisotropy]
+        numbers += [] if E is None else [E * modulus[0]]
+        lines.append(",".join([row.kind, *(f"{number:.10g}" for number in numbers)]))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def write(found: Study, folder: Path, E: float | None = None) -> list[str]:
+    """Write table and pictures of a study; returns the names of the files.
+
+    Parameters
+    ----------
+    found : Study
+        The study.
+    folder : Path
+        Exists already.
+    E : float, optional
+        Modulus of the contacts [Pa].
+    """
+    from fissura.elasticity.pictures import plot_alpha, plot_size
+
+    # The picture over sizes shows one alpha: the one nearest to that of concrete.
+    shown = min(found.alphas, key=lambda alpha: abs(alpha - _CONCRETE))
+    write_csv(found, folder / "elastic.csv", E)
+    plot_alpha(found, folder / "elastic_alpha.png")
+    plot_size(found, folder / "elastic_size.png", shown)
+    return ["elastic.csv", "elastic_alpha.png", "elastic_size.png"]

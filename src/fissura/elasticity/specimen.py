@@ -1,0 +1,164 @@
+"""Elastic constants of finite specimens, as Fissura's runs have them: prisms under uniaxial tension.
+
+Nuclei, bodies, supports, load and equations are those of any run at full resolution. One end is held in the mean, the
+load is spread evenly over the other, and all sides are free. So the layer of biased contacts along the surface, about
+one body thick, is in the numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.case import Patch, case_from_dict
+from fissura.contact import law_from_case
+from fissura.equilibrium import System, attach
+from fissura.equilibrium.assembly import assemble
+from fissura.material import material_from_case
+from fissura.specimen import Functional, conditions_from_case, specimen_from_case
+from fissura.specimen.patch import patch_from_part
+from fissura.tessellation import discretize, nuclei_from_case
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+    from fissura.specimen import Box
+
+__all__ = ["Prism", "PrismConstants", "prism_case"]
+
+FloatArray = NDArray[np.float64]
+
+#: Distance of the two bands between which gauges measure, and their width, in lengths of the prism. In wide bands many
+#: bodies take part, so that single ones do not matter.
+_GAUGE, _BAND = 0.5, 0.2
+
+#: Constants that only have to be possible: with them no contact is too long for the law, and nothing is damaged.
+_NO_FRACTURE = {"f_t": 1.0, "G_t": 1e30}
+
+
+def prism_case(width: float, aspect: float, spacing: float, seed: int, E: float, alpha: float) -> Case:
+    """A prism along x, held at its left end and pulled at its right.
+
+    Parameters
+    ----------
+    width, spacing : float
+        Depth and thickness, and ``l_min`` [m].
+    aspect : float
+        Length over width; 1 is a cube.
+    seed : int
+        Decides where nuclei are.
+    E, alpha : float
+        Contact constants [Pa], [1].
+    """
+    data: dict[str, Any] = {
+        "name": "prism",
+        "seed": seed,
+        "specimen": {"size": [aspect * width, width, width]},
+        "supports": [{"type": "clamp", "face": "left"}],
+        "load": {"face": "right", "direction": [1, 0, 0]},
+        "material": {"E": E, "alpha": alpha, **_NO_FRACTURE},
+        "discretization": {"l_f": spacing},
+        "control": {"type": "displacement", "target": 1e-4 * aspect * width},
+    }
+    return case_from_dict(data)
+
+
+@dataclass(frozen=True)
+class PrismConstants:
+    """What a prism answers.
+
+    Attributes
+    ----------
+    E_whole : float
+        Modulus of elasticity from the mean displacements of both ends [Pa].
+    E_gauge : float
+        The same from gauges on the four sides, between bands at a quarter of the length from both ends [Pa].
+    nu : float
+        Lateral over axial strain, the former over the middle half of the sides.
+    """
+
+    E_whole: float
+    E_gauge: float
+    nu: float
+
+
+class Prism:
+    """Elastic equations of one prism, for contact constants yet to be given.
+
+    Parameters
+    ----------
+    width, aspect, spacing, seed
+        See :func:`prism_case`.
+
+    Attributes
+    ----------
+    box : Box
+        Its shape.
+    system : System
+        Its equations, for contacts of modulus 1 Pa and ``alpha = 1``.
+    """
+
+    def __init__(self, width: float, aspect: float, spacing: float, seed: int) -> None:
+        case = prism_case(width, aspect, spacing, seed, 1.0, 1.0)
+        box = specimen_from_case(case)
+        nuclei = nuclei_from_case(case, box)
+        tessellation = discretize(nuclei, box, np.zeros(len(nuclei)))
+        conditions = conditions_from_case(case, box)
+        self.box = box
+        self.system = System(tessellation, material_from_case(case), law_from_case(case), conditions)
+        self._rows = np.stack(
+            [attach(f, tessellation).ravel() for f in (_elongation(box), _gauge(box), _swelling(box))]
+        )
+
+    def __len__(self) -> int:
+        return len(self.system.tessellation)
+
+    def solution(self, alpha: float) -> FloatArray:
+        """Displacements and rotations under a load of 1 N, with contacts of modulus 1 Pa; (6 n,)."""
+        system = self.system
+        moduli = np.tile(np.diag([1.0, alpha, alpha]), (len(system.geometry), 1, 1))
+        system.symmetric.factor(assemble(system.geometry, system.pattern, moduli))
+        return system.symmetric.solve(system.load)
+
+    def constants(self, alpha: float, E: float = 1.0) -> PrismConstants:
+        """Elastic constants of the prism for given contact constants."""
+        u = self.solution(alpha)
+        stress = 1.0 / (self.box.size[1] * self.box.size[2])
+        whole, axial, lateral = (float(row @ u) for row in self._rows)
+        return PrismConstants(E * stress / whole, E * stress / axial, -lateral / axial)
+
+
+def _mean(box: Box, part: dict[str, Any], direction: int, factor: float) -> Functional:
+    """A factor times the mean displacement of a place along an axis."""
+    spacing = min(box.size) / 40.0
+    patch = patch_from_part(Patch.model_validate(part), box, spacing, "gauge")
+    return Functional(patch.points, factor * patch.weights[:, None] * np.eye(3)[direction])
+
+
+def _sum(parts: list[Functional]) -> Functional:
+    return Functional(np.concatenate([p.points for p in parts]), np.concatenate([p.coefficients for p in parts]))
+
+
+def _elongation(box: Box) -> Functional:
+    """Mean axial strain from end to end."""
+    length = box.size[0]
+    return _sum([_mean(box, {"face": face}, 0, sign / length) for face, sign in (("left", -1), ("right", 1))])
+
+
+def _gauge(box: Box) -> Functional:
+    """Mean axial strain over the middle, from bands around the prism."""
+    length, faces = box.size[0], ("bottom", "top", "front", "back")
+    span, band = _GAUGE * length, {"width": _BAND * length, "along": "x"}
+    bands = product(faces, ((-1, 0.5 * (length - span)), (1, 0.5 * (length + span))))
+    return _sum([_mean(box, {"face": f, "at": at, **band}, 0, sign / (4.0 * span)) for f, (sign, at) in bands])
+
+
+def _swelling(box: Box) -> Functional:
+    """Mean lateral strain over the middle, of both lateral directions."""
+    length = box.size[0]
+    faces = (("bottom", 1, -1), ("top", 1, 1), ("front", 2, -1), ("back", 2, 1))
+    strip = {"at": 0.5 * length, "width": _GAUGE * length, "along": "x"}
+    return _sum([_mean(box, {"face": f, **strip}, axis, sign / (2.0 * box.size[axis])) for f, axis, sign in faces])
