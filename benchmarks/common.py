@@ -254,7 +254,7 @@ def main(produce: Callable[[argparse.Namespace], Report], found: argparse.Namesp
         + [f"{name} {here[name]}" for name in ("numpy", "scipy", "numba")]
         + [f"solver {here['solver']}"]
     )
-    command = f"{found.command} --write docs/benchmarks.md"
+    command = f"{found.command} --write {found.write or 'docs/benchmarks.md'}"
     title, _, body = report.markdown.strip().partition("\n")
     text = f"{title}\n\nMade by `{command}` on {described}.\n\n{body.strip()}\n"
     print(text)

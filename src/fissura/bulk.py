@@ -16,6 +16,7 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.resources import files
+from itertools import pairwise
 
 from fissura.errors import InputError
 
@@ -29,10 +30,10 @@ def voigt(alpha: float) -> tuple[float, float]:
 
 def _slopes(x: tuple[float, ...], y: tuple[float, ...]) -> tuple[float, ...]:
     """Slopes with which cubics between the points are monotone where the points are (Fritsch & Butland 1984)."""
-    width = [b - a for a, b in zip(x, x[1:], strict=False)]
-    steep = [(b - a) / w for a, b, w in zip(y, y[1:], width, strict=False)]
+    width = [b - a for a, b in pairwise(x)]
+    steep = [(b - a) / w for (a, b), w in zip(pairwise(y), width, strict=True)]
     inner = []
-    for w, v, d, e in zip(width, width[1:], steep, steep[1:], strict=False):
+    for (w, v), (d, e) in zip(pairwise(width), pairwise(steep), strict=True):
         inner.append(3.0 * (w + v) / ((w + 2.0 * v) / d + (2.0 * w + v) / e) if d * e > 0.0 else 0.0)
 
     def end(w: float, v: float, d: float, e: float) -> float:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from fissura.bulk import bulk_law, voigt
 from fissura.elasticity.study import Row, Study, spread
-from fissura.results.pictures import BLUE, DPI, GREY, INK, LIGHT, ORANGE, headline, tidy
+from fissura.results.pictures import BLUE, DPI, INK, LIGHT, ORANGE, headline, tidy
 
 __all__ = ["SPARSE", "plot_alpha", "plot_size"]
 
@@ -65,7 +65,14 @@ def plot_alpha(study: Study, path: Path) -> None:
         axes.plot(np.linspace(0.0, 1.0, 101), estimate[:, k], "--", color=INK, linewidth=1.1, label="Voigt's estimate")
         axes.plot(fine, lines[:, k], color=LIGHT, linewidth=2.4, label="tabulated bulk law")
         axes.plot(
-            sparse[:, 0], sparse[:, 1 + k], "x", color=GREY, markeredgewidth=1.6, label="0.65 nuclei per $l_{min}^3$"
+            sparse[:, 0],
+            sparse[:, 1 + k],
+            "x",
+            color=ORANGE,
+            markersize=5,
+            markeredgewidth=1.4,
+            label="0.65 nuclei per $l_{min}^3$",
+            zorder=4,
         )
         values = np.array([_values(row)[k] for row in rows])
         axes.errorbar(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fissura.case import Patch, case_from_dict
 from fissura.contact import law_from_case
-from fissura.equilibrium import System, attach
+from fissura.equilibrium import System, attach, owners
 from fissura.equilibrium.assembly import assemble
 from fissura.material import material_from_case
 from fissura.specimen import Functional, conditions_from_case, specimen_from_case
@@ -26,6 +26,7 @@ from fissura.tessellation import discretize, nuclei_from_case
 if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.specimen import Box
+    from fissura.tessellation import Tessellation
 
 __all__ = ["Prism", "PrismConstants", "prism_case"]
 
@@ -109,9 +110,8 @@ class Prism:
         conditions = conditions_from_case(case, box)
         self.box = box
         self.system = System(tessellation, material_from_case(case), law_from_case(case), conditions)
-        self._rows = np.stack(
-            [attach(f, tessellation).ravel() for f in (_elongation(box), _gauge(box), _swelling(box))]
-        )
+        sides = _Sides(box, tessellation, spacing / 5.0)  # sampled as the load is
+        self._rows = np.stack([sides.elongation(), sides.gauge(), sides.swelling()])
 
     def __len__(self) -> int:
         return len(self.system.tessellation)
@@ -131,34 +131,44 @@ class Prism:
         return PrismConstants(E * stress / whole, E * stress / axial, -lateral / axial)
 
 
-def _mean(box: Box, part: dict[str, Any], direction: int, factor: float) -> Functional:
-    """A factor times the mean displacement of a place along an axis."""
-    spacing = min(box.size) / 40.0
-    patch = patch_from_part(Patch.model_validate(part), box, spacing, "gauge")
-    return Functional(patch.points, factor * patch.weights[:, None] * np.eye(3)[direction])
+class _Sides:
+    """Means of displacements over places on the surface of a prism.
 
+    Points of bodies that touch fewer than three others are left out. Contacts act at one point, so such a body at a
+    corner of the prism may spin about a line, and moves far under the load that is spread over its face.
+    """
 
-def _sum(parts: list[Functional]) -> Functional:
-    return Functional(np.concatenate([p.points for p in parts]), np.concatenate([p.coefficients for p in parts]))
+    def __init__(self, box: Box, tessellation: Tessellation, spacing: float) -> None:
+        self._box, self._tessellation, self._spacing = box, tessellation, spacing
+        touching = np.bincount(tessellation.contacts.bodies.ravel(), minlength=len(tessellation))
+        self._held = touching >= 3
 
+    def mean(self, part: dict[str, Any], direction: int, factor: float) -> FloatArray:
+        """A factor times the mean displacement of a place along an axis, as a row over all unknowns; (6 n,)."""
+        patch = patch_from_part(Patch.model_validate(part), self._box, self._spacing, "gauge")
+        held = self._held[owners(self._tessellation, patch.points)]
+        weights = patch.weights[held] / patch.weights[held].sum()
+        functional = Functional(patch.points[held], factor * weights[:, None] * np.eye(3)[direction])
+        return attach(functional, self._tessellation).ravel()
 
-def _elongation(box: Box) -> Functional:
-    """Mean axial strain from end to end."""
-    length = box.size[0]
-    return _sum([_mean(box, {"face": face}, 0, sign / length) for face, sign in (("left", -1), ("right", 1))])
+    def elongation(self) -> FloatArray:
+        """Mean axial strain from end to end."""
+        length = self._box.size[0]
+        return self.mean({"face": "right"}, 0, 1.0 / length) - self.mean({"face": "left"}, 0, 1.0 / length)
 
+    def gauge(self) -> FloatArray:
+        """Mean axial strain over the middle, from bands around the prism."""
+        length = self._box.size[0]
+        span, band = _GAUGE * length, {"width": _BAND * length, "along": "x"}
+        ends = ((-1.0, 0.5 * (length - span)), (1.0, 0.5 * (length + span)))
+        bands = product(("bottom", "top", "front", "back"), ends)
+        rows = [self.mean({"face": face, "at": at, **band}, 0, sign / (4.0 * span)) for face, (sign, at) in bands]
+        return np.asarray(np.sum(rows, axis=0), dtype=np.float64)
 
-def _gauge(box: Box) -> Functional:
-    """Mean axial strain over the middle, from bands around the prism."""
-    length, faces = box.size[0], ("bottom", "top", "front", "back")
-    span, band = _GAUGE * length, {"width": _BAND * length, "along": "x"}
-    bands = product(faces, ((-1, 0.5 * (length - span)), (1, 0.5 * (length + span))))
-    return _sum([_mean(box, {"face": f, "at": at, **band}, 0, sign / (4.0 * span)) for f, (sign, at) in bands])
-
-
-def _swelling(box: Box) -> Functional:
-    """Mean lateral strain over the middle, of both lateral directions."""
-    length = box.size[0]
-    faces = (("bottom", 1, -1), ("top", 1, 1), ("front", 2, -1), ("back", 2, 1))
-    strip = {"at": 0.5 * length, "width": _GAUGE * length, "along": "x"}
-    return _sum([_mean(box, {"face": f, **strip}, axis, sign / (2.0 * box.size[axis])) for f, axis, sign in faces])
+    def swelling(self) -> FloatArray:
+        """Mean lateral strain over the middle, of both lateral directions."""
+        size = self._box.size
+        strip = {"at": 0.5 * size[0], "width": _GAUGE * size[0], "along": "x"}
+        faces = (("bottom", 1, -1.0), ("top", 1, 1.0), ("front", 2, -1.0), ("back", 2, 1.0))
+        rows = [self.mean({"face": face, **strip}, axis, sign / (2.0 * size[axis])) for face, axis, sign in faces]
+        return np.asarray(np.sum(rows, axis=0), dtype=np.float64)

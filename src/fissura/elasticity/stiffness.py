@@ -72,7 +72,7 @@ def isotropic_part(stiffness: FloatArray) -> Isotropic:
 
 
 def anisotropy(stiffness: FloatArray) -> float:
-    """Distance of a stiffness (6, 6) from its isotropic part, over the size of that part; turning does not change it."""
+    """Distance of a stiffness (6, 6) from its isotropic part, over the size of that part; the same after turning."""
     scale = np.outer(_TO_MANDEL, _TO_MANDEL)
     isotropic = isotropic_part(stiffness).matrix()
     return float(np.linalg.norm(scale * (stiffness - isotropic)) / np.linalg.norm(scale * isotropic))
