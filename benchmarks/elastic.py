@@ -214,8 +214,8 @@ def _markdown(
             ),
             "\n### Fits `E = E_bulk (1 + c l_min/size)` to prisms\n",
             table(["α", "E, law", "E_bulk, gauge", "c, gauge", "E_bulk, ends", "c, ends"], fits),
-            f"\nNuclei of the bodies at the ends lie {end_depth:.3f} deep. If these parts were rigid and all else as in the"
-            f" bulk, `c` would be {end_depth:.2f} from end to end: both ends over a length of twice the width.",
+            f"\nNuclei of the bodies at the ends lie {end_depth:.3f} deep. If these parts were rigid and all else as in"
+            f" the bulk, `c` would be {end_depth:.2f} from end to end: both ends over a length of twice the width.",
             "\n### Axial stress in bodies over its mean, by depth of the nucleus\n",
             table(["depth / l_min", *(f"α = {a:g}" for a, _ in LAYER)], deep),
             f"\n### The inverse, tried on {len(FRESH)} cells that the table has not seen\n",

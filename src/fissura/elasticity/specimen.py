@@ -36,7 +36,7 @@ FloatArray = NDArray[np.float64]
 #: bodies take part, so that single ones do not matter.
 _GAUGE, _BAND = 0.5, 0.2
 
-#: Constants that only have to be possible: with them no contact is too long for the law, and nothing is damaged.
+#: Constants that only have to be possible, since only the elastic equations are used: no contact is too long for them.
 _NO_FRACTURE = {"f_t": 1.0, "G_t": 1e30}
 
 

@@ -19,8 +19,8 @@ __all__ = ["PeriodicCell", "periodic_cell"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Thickness of the layer of images around the cube, in spacings. No point of a saturated cube is farther than one from
-#: a nucleus, so no nucleus farther than two has any influence on a cell; the rest keeps the outer box out of reach.
+#: Thickness of the layer of images around the cube, in gaps. No point is farther than one gap from a nucleus, so no
+#: nucleus farther than two has any influence on a cell; the rest keeps the outer box out of reach.
 _LAYER = 2.5
 
 _NEGLIGIBLE = 1e-10  # of the squared spacing: facets that exist by round-off only
@@ -69,24 +69,27 @@ def _images(x: FloatArray, side: float, layer: float) -> tuple[IntArray, IntArra
     return body.astype(np.int64), steps[step].astype(np.int64)
 
 
-def periodic_cell(x: FloatArray, side: float, spacing: float) -> PeriodicCell:
+def periodic_cell(x: FloatArray, side: float, spacing: float, gap: float = 1.0) -> PeriodicCell:
     """Tessellate a periodic cube.
 
     Parameters
     ----------
     x : (n, 3) array
-        Nuclei in the cube [m], saturated: no point is farther than `spacing` from a nucleus or an image.
+        Nuclei in the cube [m].
     side : float
         Side of the cube [m].
     spacing : float
-        Distance of neighbouring nuclei [m].
+        Smallest distance of neighbouring nuclei [m].
+    gap : float
+        No point is farther than this from a nucleus or an image, in spacings; 1 for saturated nuclei, at most 1.6.
 
     Raises
     ------
     ValueError
-        Nuclei that coincide, or are not saturated.
+        Nuclei that coincide, or leave larger gaps.
     """
-    n, layer = len(x), _LAYER * spacing
+    n, layer = len(x), _LAYER * gap * spacing
+    assert layer <= side
     body, step = _images(x, side, layer)
     of = np.concatenate([np.arange(n), body])
     steps = np.concatenate([np.zeros((n, 3), np.int64), step])
@@ -98,7 +101,7 @@ def periodic_cell(x: FloatArray, side: float, spacing: float) -> PeriodicCell:
     guess = np.full(len(of), spacing)
     reach2, count, other, corners, points = clip_cells(order, everywhere, size, guess, grid, room)
     if (other < 0).any() or reach2.max() > layer**2:
-        raise ValueError("the nuclei are not saturated")
+        raise ValueError("the nuclei leave gaps")
     polygons = Ragged(points - layer, np.concatenate([[0], np.cumsum(corners)]), np.arange(len(corners)))
     area, _ = polygon_measures(polygons)
     i = np.repeat(order, count)
