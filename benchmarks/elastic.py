@@ -94,7 +94,7 @@ def _end_depth(seeds: list[int]) -> float:
 
 
 def _loose() -> tuple[int, list[float]]:
-    """Prisms looked at, and for those with a loose corner the modulus from the load's displacement over that without."""
+    """Prisms looked at; for those with a loose corner, modulus from the load's displacement over that without it."""
     ratios, count = [], 0
     for width, seed in product((8.0, 12.0), range(1, 21)):
         prism = Prism(width, 2.0, 1.0, seed)
@@ -233,8 +233,9 @@ def _markdown(
             table(["α", "E, law", "E_bulk, gauge", "c, gauge", "E_bulk, ends", "c, ends"], fits),
             f"\nNuclei of the bodies at the ends lie {end_depth:.3f} deep. If these parts were rigid and all else as in"
             f" the bulk, `c` would be {end_depth:.2f} from end to end: both ends over a length of twice the width.",
-            f"\n{len(loose[1])} of {loose[0]} other prisms have a loose corner: from the displacement of their load, which"
-            f" contains it, the modulus is only {' and '.join(f'{ratio:.2f}' for ratio in loose[1])} times that without.",
+            f"\n{len(loose[1])} of {loose[0]} prisms (sizes 8 and 12, seeds 1 to 20) have a loose corner: from the"
+            " displacement of their load, which contains it, the modulus is only"
+            f" {', '.join(f'{ratio:.2f}' for ratio in loose[1])} times that without.",
             "\n### Axial stress in bodies over its mean, by depth of the nucleus\n",
             table(["depth / l_min", *(f"α = {a:g}" for a, _ in LAYER)], deep),
             f"\n### The inverse, tried on {len(FRESH)} cells that the table has not seen\n",

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from fissura.contact import contact_strains, kinematics_of, nodal_forces
 from fissura.elasticity.stiffness import unit_strains
 from fissura.equilibrium.assembly import assemble, pattern
-from fissura.equilibrium.direct import best_solver
+from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.tessellation.periodic import PeriodicCell
 
 __all__ = ["Homogenisation"]
@@ -48,13 +48,13 @@ class Homogenisation:
         size = 6 * len(cell)
         held = csr_array((np.full(3, typical), (range(3), range(3))), shape=(size, size))
         self._pattern = pattern(self.geometry, held)
-        self._solver = best_solver()(self._pattern)
+        self._solver = SymmetricSolver(self._pattern, cell.x)
 
     def _solve(self, alpha: float, elastic: FloatArray) -> FloatArray:
         """Total contact strains under the affine strains `elastic`; both (k, m, 3)."""
         moduli = np.array([1.0, alpha, alpha])
         stiffness = np.tile(np.diag(moduli), (len(self.geometry), 1, 1))
-        self._solver.factor(assemble(self.geometry, self._pattern, stiffness), symmetric=True)
+        self._solver.factor(assemble(self.geometry, self._pattern, stiffness))
         forces = np.stack([nodal_forces(self.geometry, moduli * e).ravel() for e in elastic], axis=1)
         found = self._solver.solve(-forces)
         w = [np.ascontiguousarray(column).reshape(-1, 6) for column in found.T]
