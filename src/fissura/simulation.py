@@ -26,7 +26,7 @@ from fissura.adaptivity import (
 from fissura.contact import law_from_case
 from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, settle
 from fissura.errors import InputError, RunStopped
-from fissura.material import check_not_everywhere, elastic_from_case, material_from_case
+from fissura.material import check_not_everywhere, elastic_from_case, field_from_case, material_from_case
 from fissura.specimen import conditions_from_case, specimen_from_case
 from fissura.step import Snapshot, Step
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case
@@ -102,6 +102,8 @@ class Simulation:
         Load over controlled quantity of the elastic structure at the start [N/m]; nan before the first step.
     tessellation : Tessellation
         The current discretization.
+    field : RandomField or None
+        Relative strength as a function of position; None where it is the same everywhere.
     """
 
     def __init__(self, case: Case, *, full: bool = False) -> None:
@@ -113,6 +115,7 @@ class Simulation:
         self._box = specimen_from_case(case)
         self._conditions = conditions_from_case(case, self._box)
         self._elastic = elastic_from_case(case)
+        self.field = field_from_case(case)
         self._nuclei = nuclei_from_case(case, self._box)
         check_not_everywhere(self._elastic, self._nuclei.x)
         self._region = region_from_case(case, self._box, full=full)
@@ -132,7 +135,15 @@ class Simulation:
         return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x), previous)
 
     def _equations(self, tessellation: Tessellation) -> System:
-        return System(tessellation, self._material, self._law, self._conditions, self.case.solver.linear, self._elastic)
+        return System(
+            tessellation,
+            self._material,
+            self._law,
+            self._conditions,
+            self.case.solver.linear,
+            self._elastic,
+            self.field,
+        )
 
     def _calibrated(self, system: System) -> System:
         """The equations of a discretization, their elastic part calibrated when the case asks for that."""
@@ -230,7 +241,7 @@ class Simulation:
             state = ElasticState(
                 system.tessellation,
                 stress,
-                np.full(len(system.tessellation), self._material.f_t),
+                system.strength,
                 utilisation,
                 self._elastic.contains(system.tessellation.x),
             )
@@ -359,4 +370,6 @@ class Simulation:
             tangents=system.geometry.frame[:, 1:],
             damage=damage,
             opening=contacts.length * damage * np.maximum(found.response.strain[:, 0], 0.0),
+            body_factor=system.body_factor,
+            contact_factor=system.contact_factor,
         )

@@ -36,6 +36,8 @@ class Snapshot:
         Damage of contacts.
     opening : (m,) array
         Crack opening ``L D e_N`` where ``e_N > 0`` [m].
+    body_factor, contact_factor : (n,), (m,) array or None
+        Relative strength at nuclei and at centroids of facets; None where it is the same everywhere.
     """
 
     tessellation: Tessellation
@@ -47,6 +49,8 @@ class Snapshot:
     tangents: FloatArray
     damage: FloatArray
     opening: FloatArray
+    body_factor: FloatArray | None = None
+    contact_factor: FloatArray | None = None
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Cases: what to break, how, and of what material, read from a TOML file."""
 
+from fissura.case.field import EnergyField, Field
 from fissura.case.load import case_from_dict, load_case
 from fissura.case.model import (
     Adaptivity,
@@ -26,6 +27,8 @@ __all__ = [
     "Case",
     "Control",
     "Discretization",
+    "EnergyField",
+    "Field",
     "Gauge",
     "Load",
     "Macro",

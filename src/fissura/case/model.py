@@ -8,9 +8,7 @@ from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     ValidationInfo,
     field_validator,
@@ -18,6 +16,8 @@ from pydantic import (
 )
 
 from fissura.bulk import bulk_law
+from fissura.case.field import Field as RandomField
+from fissura.case.part import Part
 from fissura.case.types import (
     Axis,
     Count,
@@ -69,12 +69,6 @@ FACE_AXIS: dict[str, Axis] = {"left": "y", "right": "y"}
 
 def _axis_of_face(data: dict[str, Any]) -> Axis:
     return FACE_AXIS.get(data.get("face", ""), "x")
-
-
-class Part(BaseModel):
-    """Base of all parts of a case: frozen, keys that are not known are errors."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
 
 class Specimen(Part):
@@ -293,6 +287,7 @@ class Case(Part):
     gauge: Gauge | None = None
     output: Output = Output()
     solver: Solver = Solver()
+    field: RandomField | None = None
 
     @cached_property
     def source(self) -> str | None:

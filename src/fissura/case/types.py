@@ -22,6 +22,8 @@ __all__ = [
     "Flag",
     "Fraction",
     "Length",
+    "Lengths",
+    "Numbers",
     "Point",
     "PoissonRatio",
     "PositiveCount",
@@ -29,6 +31,7 @@ __all__ = [
     "PositiveLength",
     "PositiveStress",
     "Share",
+    "SignedShare",
     "Size",
     "Thickness",
     "Tolerance",
@@ -207,6 +210,25 @@ def _file(value: Any, info: ValidationInfo) -> Path:
     return path.resolve()
 
 
+def _one_or_three(value: Any) -> Any:
+    """Take one length where three may stand as a list of one."""
+    if not isinstance(value, (list, tuple)):
+        return (value,)
+    if len(value) not in (1, 3):
+        fail(f"the list has {len(value)} entries", "one length, or a list of three")
+    return value
+
+
+def _numbers(value: Any) -> tuple[float, ...]:
+    allowed = "a list of numbers such as [0.3, -1.2]"
+    if not isinstance(value, (list, tuple)):
+        fail(f"{show(value)} is not a list", allowed)
+    try:
+        return tuple(to_si(item, NUMBER) for item in value)
+    except ValueError as error:
+        fail(str(error), allowed)
+
+
 def as_tuple(value: Any) -> Any:
     """Take one table where a list of tables is due as a list of one."""
     return (value,) if isinstance(value, dict) else value
@@ -221,11 +243,14 @@ PositiveEnergyPerArea = Annotated[float, BeforeValidator(_quantity(ENERGY_PER_AR
 Factor = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0))]
 Fraction = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, below=1.0))]
 Share = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, equal=True, below=1.0))]
+SignedShare = Annotated[float, BeforeValidator(_quantity(NUMBER, -1.0, equal=True, below=1.0))]
 Tolerance = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, below=0.1))]
 Count = Annotated[int, BeforeValidator(_integer(0))]
 PositiveCount = Annotated[int, BeforeValidator(_integer(1))]
 Flag = Annotated[bool, BeforeValidator(_flag)]
 Point = Annotated[tuple[Length, Length, Length], BeforeValidator(_three("lengths"))]
 Size = Annotated[tuple[PositiveLength, PositiveLength, PositiveLength], BeforeValidator(_three("lengths"))]
+Lengths = Annotated[tuple[PositiveLength, ...], BeforeValidator(_one_or_three)]
+Numbers = Annotated[tuple[float, ...], BeforeValidator(_numbers)]
 Direction = Annotated[tuple[float, float, float], BeforeValidator(_unit_vector)]
 File = Annotated[Path, BeforeValidator(_file)]

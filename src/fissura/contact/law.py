@@ -167,6 +167,28 @@ def _utilisation(strain, scale, par, out):  # type: ignore[no-untyped-def]
             out[c] = E * e / f
 
 
+def _check_ductility(length: FloatArray, ductility: FloatArray, longest: float) -> None:
+    """No contact may be too long for the fracture energy and the strength that a field gives it.
+
+    Raises
+    ------
+    InputError
+        A contact that would snap back; the brittlest one is named.
+    """
+    if not len(length):
+        return
+    worst = int(np.argmax(length / ductility))
+    limit = longest * float(ductility[worst])
+    if longest > length.max() and length[worst] >= limit:
+        raise InputError(
+            "field.energy",
+            f"a fine contact is {length[worst] * 1e3:.4g} mm long, but where the field leaves it"
+            f" {ductility[worst]:.3g} times the mean ductility G_t/f_t^2, this material softens properly only below"
+            f" {limit * 1e3:.4g} mm",
+            "a smaller cov, a larger cross_correlation, a smaller discretization.l_f or a larger material.G_t",
+        )
+
+
 @dataclass(frozen=True)
 class CusatisCedolin:
     """The law for a set of contacts.
@@ -178,9 +200,10 @@ class CusatisCedolin:
     length : (m,) array
         Contact lengths [m].
     scale : (m,) array
-        Relative strength ``H``: strengths go with it, fracture energies with its square.
+        Relative strength ``H``: strengths go with it, fracture energies with its square unless ``create`` is told
+        otherwise.
     k_t, k_s, n_t : (m,) array
-        Softening moduli [Pa] and exponent; they depend on length alone.
+        Softening moduli [Pa] and exponent; they depend on length and ductility alone.
     omega0 : float
         Angle at which both strength surfaces meet [rad].
     """
@@ -194,8 +217,28 @@ class CusatisCedolin:
     omega0: float
 
     @classmethod
-    def create(cls, material: Material, length: FloatArray, scale: FloatArray | None = None) -> CusatisCedolin:
+    def create(
+        cls,
+        material: Material,
+        length: FloatArray,
+        scale: FloatArray | None = None,
+        ductility: FloatArray | None = None,
+    ) -> CusatisCedolin:
         """Prepare the law for contacts of given lengths.
+
+        Strengths ``f H`` and fracture energies ``G g`` give the softening moduli of the material itself at the length
+        ``L H^2 / g``, which is ``L`` where ``g = H^2``.
+
+        Parameters
+        ----------
+        material : Material
+            Parameters where the field has its mean.
+        length : (m,) array
+            Contact lengths ``L`` [m].
+        scale : (m,) array, optional
+            Relative strength ``H`` of each contact; 1 by default.
+        ductility : (m,) array, optional
+            Relative fracture energy over the square of the relative strength, ``g / H^2``; 1 by default.
 
         Raises
         ------
@@ -210,6 +253,9 @@ class CusatisCedolin:
                 f"more than {m.G_t * m.f_s**2 / m.f_t**2:g} J/m^2, G_t f_s^2 / f_t^2",
             )
         longest = m.longest
+        if ductility is not None:
+            _check_ductility(length, ductility, longest)
+            length = length / ductility
         top = float(length.max(initial=0.0))
         if top >= longest:
             raise InputError(

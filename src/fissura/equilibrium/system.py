@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -23,7 +24,7 @@ from fissura.equilibrium.attach import attach, attach_rows, owners
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.symmetric import SymmetricSolver
-from fissura.material import Material, Regions
+from fissura.material import Material, RandomField, Regions
 from fissura.specimen import Conditions
 from fissura.tessellation import Tessellation
 
@@ -89,6 +90,8 @@ class System:
         Linear solver, see :class:`SymmetricSolver`.
     elastic : Regions
         Contacts whose centroid lies there never get damage.
+    field : RandomField, optional
+        Relative strength and fracture energy, taken at the centroids of facets; 1 everywhere by default.
 
     Attributes
     ----------
@@ -108,6 +111,7 @@ class System:
         conditions: Conditions,
         linear: str = "auto",
         elastic: Regions = _NOWHERE,
+        field: RandomField | None = None,
     ) -> None:
         contacts = tessellation.contacts
         self.tessellation = tessellation
@@ -118,9 +122,12 @@ class System:
         self.passive: IntArray = np.flatnonzero(~(contacts.fine & may_crack))
         self.coarse: IntArray = np.flatnonzero(~contacts.fine)
         self._guarded: IntArray = np.flatnonzero(~contacts.fine & may_crack)
-        self.law = law.create(material, contacts.length[self.active])
+        self.field = field
+        scale, ductility = (None, None) if field is None else field.factors(contacts.centroid[self.active])
+        self.law = law.create(material, contacts.length[self.active], scale, ductility)
         # Coarse contacts have no softening and hence no limit on their length: only their strength is asked for.
-        self.elastic_law = law.create(material, np.full(len(self._guarded), contacts.length.min()))
+        scale = None if field is None else field.strength(contacts.centroid[self._guarded])
+        self.elastic_law = law.create(material, np.full(len(self._guarded), contacts.length.min()), scale)
         self.elastic_scale = 1.0
         self.moduli = self._moduli(1.0)
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
@@ -143,6 +150,26 @@ class System:
         # Moments count as forces at the arm of half a contact.
         arm = 0.5 * float(np.median(contacts.length))
         self.weights: FloatArray = np.tile(np.repeat([1.0, 1.0 / arm], 3), len(tessellation))
+
+    @cached_property
+    def strength(self) -> FloatArray:
+        """Tensile strength at the nuclei [Pa], shape (n,)."""
+        factor = self.body_factor
+        return np.full(len(self.tessellation), self.material.f_t) if factor is None else self.material.f_t * factor
+
+    @cached_property
+    def body_factor(self) -> FloatArray | None:
+        """Relative strength at the nuclei, shape (n,); None without a field."""
+        return None if self.field is None else self.field.strength(self.tessellation.x)
+
+    @cached_property
+    def contact_factor(self) -> FloatArray | None:
+        """Relative strength of contacts, shape (m,), 1 in elastic regions; None without a field."""
+        if self.field is None:
+            return None
+        out = np.ones(len(self.geometry))
+        out[self.active], out[self._guarded] = self.law.scale, self.elastic_law.scale
+        return out
 
     def _moduli(self, elastic_scale: float) -> FloatArray:
         """Stiffness of the three strain components of every contact [Pa], shape (m, 3)."""

@@ -20,6 +20,7 @@ FORMAT = "fissura-state"
 FORMAT_VERSION = 1
 
 FIELDS = ("displacement", "stress", "criterion", "strain", "traction", "tangents", "damage", "opening")
+OPTIONAL = ("body_factor", "contact_factor")  # only of runs with a random field
 BODIES = ("nucleus", "x", "fine", "volume")
 CONTACTS = ("bodies", "area", "centroid", "normal", "length", "fine")
 SURFACE = ("body", "area", "centroid", "normal", "surface", "names")
@@ -49,6 +50,7 @@ def write_state(path: Path, step: Step) -> None:
         ("surface.polygons.", tessellation.surface.polygons, POLYGONS),
     ):
         arrays.update({prefix + name: np.asarray(getattr(owner, name)) for name in names})
+    arrays.update({name: value for name in OPTIONAL if (value := getattr(snapshot, name)) is not None})
     write_archive(path, FORMAT, FORMAT_VERSION, arrays)
 
 
@@ -84,7 +86,9 @@ def read_state(path: str | Path) -> tuple[int, Snapshot]:
                 polygons=Polygons(**_part(arrays, "surface.polygons.", POLYGONS)),
             ),
         )
-        return int(arrays["step"]), Snapshot(tessellation=tessellation, **_part(arrays, "", FIELDS))
+        present = tuple(name for name in OPTIONAL if name in arrays)
+        fields = _part(arrays, "", FIELDS + present)
+        return int(arrays["step"]), Snapshot(tessellation=tessellation, **fields)
     except KeyError as error:
         raise InputError(key, f"lacks the array {error}", allowed) from None
 

@@ -54,6 +54,8 @@ def bodies_grid(snapshot: Snapshot) -> Grid:
         "nucleus": tessellation.nucleus,
         "volume": tessellation.volume,
     }
+    if snapshot.body_factor is not None:
+        data["strength_factor"] = snapshot.body_factor
     return Grid(
         points=solid.points,
         cell_type=POLYHEDRON,
@@ -91,6 +93,8 @@ def contacts_grid(snapshot: Snapshot) -> Grid:
         "length": contacts.length,
         "area": contacts.area,
     }
+    if snapshot.contact_factor is not None:
+        data["strength_factor"] = snapshot.contact_factor
     owners = contacts.bodies[np.repeat(polygons.facet, np.diff(polygons.offsets))]
     motion = _motion(snapshot, polygons.points, owners[:, 0])
     motion += _motion(snapshot, polygons.points, owners[:, 1])

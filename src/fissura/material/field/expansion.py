@@ -1,0 +1,126 @@
+"""Which expansion represents a field, and on what grid."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+from fissura.material.field.circulant import CirculantExpansion, local_error, torus
+from fissura.material.field.covariance import Covariance
+from fissura.material.field.eole import DenseExpansion
+from fissura.material.field.grid import Accuracy, counts
+from fissura.material.field.separable import SeparableExpansion
+
+__all__ = ["Expansion", "expand"]
+
+FloatArray = NDArray[np.float64]
+_log = logging.getLogger(__name__)
+
+#: Grid over correlation length, and by how much it shrinks while the variance error is too large.
+_SPACING, _SHRINK = 1.0 / 3.0, 0.8
+#: Most nodes for all eigenpairs of a grid, and for products of one-dimensional ones. Measured by
+#: `benchmarks/random_field.py`: beyond them circulant embedding costs less for each point.
+_DENSE, _SEPARABLE = 300, 20_000
+#: Most nodes of a torus: as many as fit into half a gigabyte, and as many as a finer grid may have that only the
+#: variance error asks for.
+_MOST, _MOST_FINER = 1 << 24, 1 << 21
+
+
+class Expansion(Protocol):
+    """A Gaussian field as a function of position and of independent standard Gaussian numbers."""
+
+    accuracy: Accuracy
+
+    def leading(self, count: int) -> NDArray[np.int64]:
+        """Which of the numbers of a realisation belong to the modes that vary most."""
+        ...
+
+    def realisation(self, xi: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """The field for given numbers (modes,): from points (n, 3) to standard Gaussian values (n,)."""
+        ...
+
+
+def expand(
+    covariance: Covariance,
+    size: tuple[float, float, float],
+    variance_error: float = 0.01,
+    spacing: float | None = None,
+) -> Expansion:
+    """Choose the expansion of a field over a box, by size and by what its covariance allows.
+
+    Parameters
+    ----------
+    covariance : Covariance
+        Correlation and its lengths.
+    size : tuple of float
+        The box [m].
+    variance_error : float, optional
+        Limit on the variance error averaged over the box, before the pointwise variance is corrected.
+    spacing : float, optional
+        Of the grid [m]; by default a third of the correlation lengths, and finer where the variance error needs it.
+
+    Returns
+    -------
+    Expansion
+        Its error is above the limit only where the grid would have to be too large; a warning is logged then.
+
+    Raises
+    ------
+    InputError
+        The correlation lengths, or the spacing, are too small for the box.
+    """
+    steps = covariance.length * _SPACING if spacing is None else np.full(3, spacing)
+    most = _SEPARABLE if covariance.model.separable else _DENSE
+    small = SeparableExpansion if covariance.model.separable else DenseExpansion
+    finer = steps
+    while np.prod(counts(size, finer), dtype=float) <= most:
+        found: Expansion = small(covariance, size, finer, variance_error)
+        if spacing is not None or found.accuracy.mean <= variance_error:
+            return _warned(found, variance_error)
+        finer = finer * _SHRINK
+    return _warned(_embedded(covariance, size, variance_error, steps, spacing), variance_error)
+
+
+def _embedded(
+    covariance: Covariance,
+    size: tuple[float, float, float],
+    variance_error: float,
+    steps: FloatArray,
+    spacing: float | None,
+) -> Expansion:
+    """Circulant embedding, on a finer grid while the error is too large and the grid is not."""
+
+    def nodes(steps: FloatArray) -> float:
+        return float(np.prod(torus(covariance, size, steps, 1e-4), dtype=float))
+
+    if nodes(steps) > _MOST:
+        key, value = ("field.length", covariance.length.min()) if spacing is None else ("field.spacing", spacing)
+        least = float(value) * (nodes(steps) / _MOST) ** (1.0 / 3.0)
+        raise InputError(
+            key,
+            f"{float(value):g} m would take a grid of {nodes(steps):.2g} nodes in this specimen",
+            f"about {least:.2g} m or more, for at most {_MOST:.2g} nodes",
+        )
+    while spacing is None and local_error(covariance, steps)[0] > variance_error:
+        if nodes(steps * _SHRINK) > _MOST_FINER:
+            break
+        steps = steps * _SHRINK
+    return CirculantExpansion(covariance, size, steps)
+
+
+def _warned(expansion: Expansion, limit: float) -> Expansion:
+    found = expansion.accuracy
+    if found.mean > limit:
+        _log.warning(
+            "the variance error of the field is %.2g %% on average, above field.variance_error = %.2g %%: it is"
+            " smooth below its grid spacing of %.3g mm (variance is corrected, short-range correlation is not)",
+            100.0 * found.mean,
+            100.0 * limit,
+            1e3 * min(found.spacing),
+        )
+    return expansion
