@@ -5,10 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fissura.bulk import bulk_law
 from fissura.case import Case
 from fissura.errors import InputError
+
+if TYPE_CHECKING:
+    from fissura.material import RandomField
 
 __all__ = [
     "CheckReport",
@@ -62,6 +66,8 @@ class CheckReport:
     macro : tuple of float, optional
         Modulus of elasticity [Pa] and Poisson's ratio of the material as a whole; None where the table of bulk values
         ends.
+    field_rows : tuple of pairs of str
+        Name and value of what there is to say about the random field.
     """
 
     name: str
@@ -86,6 +92,7 @@ class CheckReport:
     warnings: tuple[str, ...] = field(default=())
     contact: tuple[float, float] = (math.nan, math.nan)
     macro: tuple[float, float] | None = None
+    field_rows: tuple[tuple[str, str], ...] = field(default=())
 
     @property
     def fewest_steps(self) -> int:
@@ -128,6 +135,7 @@ class CheckReport:
             ("limit in tension", f"{self.tension_limit * 1e3:.4g} mm"),
             ("limit in shear", f"{self.shear_limit * 1e3:.4g} mm"),
             ("limit of both together", f"{self.mixed_limit * 1e3:.4g} mm"),
+            *self.field_rows,
             ("control", self._end),
             ("steps", self._steps),
         ]
@@ -196,6 +204,24 @@ def report(case: Case) -> CheckReport:
         warnings=tuple(warnings),
         contact=(case.material.E, case.material.alpha),
         macro=_macro(case),
+        field_rows=_field_rows(case, simulation.field),
+    )
+
+
+def _field_rows(case: Case, field: RandomField | None) -> tuple[tuple[str, str], ...]:
+    """What there is to say about the random field of a case."""
+    part = case.field
+    if part is None or field is None:
+        return ()
+    found = field.accuracy
+    length = " x ".join(f"{1e3 * value:.4g}" for value in part.length)
+    return (
+        ("random field", f"{part.correlation}, {length} mm; {part.marginal}, CoV {part.cov:g}; seed {field.seed}"),
+        (
+            "expansion",
+            f"{found.method}: {found.modes} modes, {found.nodes} nodes {1e3 * min(found.spacing):.3g} mm apart",
+        ),
+        ("variance error", f"{found.mean:.2%} on average, {found.largest:.2%} at most; corrected at every point"),
     )
 
 

@@ -33,6 +33,7 @@ OWN_FILES = (
     "section.npz",
     "curve.png",
     "crack.png",
+    "field.png",
     "compare.png",
     "compare_bodies.png",
     "moments.png",
@@ -147,6 +148,11 @@ class Recorder:
         from fissura.results.pictures import plot_curve
 
         plot_crack(result, folder / "crack.png")
+        case, field = result.case, getattr(self._simulation, "field", None)
+        if case.field is not None and field is not None:
+            from fissura.results.field_picture import plot_field
+
+            plot_field(field, case.field, case.specimen.size, result.last.tessellation, folder / "field.png", case.name)
         try:
             plot_curve(result, folder / "curve.png")
         except InputError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import os
@@ -71,6 +72,7 @@ def build_summary(
         "full": simulation.full,
         "seed": case.seed,
         "criterion": case.adaptivity.criterion,
+        "field": _field(simulation),
         "peak_load_N": None if peak is None else curve["load_N"][peak],
         "gauge_at_peak_m": None if peak is None else curve["gauge_m"][peak],
         "gauge_at_end_m": _last(curve, "gauge_m"),
@@ -98,6 +100,23 @@ def build_summary(
         "versions": versions(),
     }
     return {key: _plain(value) for key, value in summary.items()}
+
+
+def _field(simulation: Simulation) -> dict[str, Any] | None:
+    """Seed of the random field, and how well its expansion represents it; None without a field."""
+    field = getattr(simulation, "field", None)
+    if field is None:
+        return None
+    found = dataclasses.asdict(field.accuracy)
+    return {
+        "seed": field.seed,
+        "method": found["method"],
+        "nodes": found["nodes"],
+        "modes": found["modes"],
+        "spacing_m": list(found["spacing"]),
+        "variance_error": found["mean"],
+        "variance_error_max": found["largest"],
+    }
 
 
 def warnings_of(curve: Curve) -> list[str]:

@@ -43,13 +43,15 @@ def _stencil(spacing: FloatArray) -> FloatArray:
 def _estimator(covariance: Covariance, spacing: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Nodes around a cell at the origin (s, 3) [m], and the inverse of their correlation matrix."""
     nodes = _stencil(spacing)
-    return nodes, np.linalg.inv(covariance.between(nodes, nodes))
+    inverse = np.asarray(np.linalg.inv(covariance.between(nodes, nodes)), dtype=np.float64)
+    return nodes, inverse
 
 
 def _axis_estimator(covariance: Covariance, step: float) -> FloatArray:
     """Inverse of the correlation matrix of the nodes along an axis, of scaled spacing."""
     offsets = np.arange(_STENCIL) * step
-    return np.linalg.inv(covariance.of(np.abs(offsets[:, None] - offsets)))
+    inverse = np.linalg.inv(covariance.of(np.abs(offsets[:, None] - offsets)))
+    return np.asarray(inverse, dtype=np.float64)
 
 
 def local_error(covariance: Covariance, spacing: FloatArray) -> tuple[float, float]:

@@ -58,12 +58,13 @@ def matern(d: FloatArray, nu: float | None) -> FloatArray:
     """``2^(1-nu)/Gamma(nu) s^nu K_nu(s)`` with ``s = sqrt(2 nu) d``; tends to ``exp(-d^2/2)`` for large ``nu``."""
     assert nu is not None
     s = np.sqrt(2.0 * nu) * np.asarray(d, dtype=np.float64)
-    out = np.ones_like(s)
+    out: FloatArray = np.ones(s.shape)
     away = s > 1e-10
     t = s[away]
     # In logarithms: factors of large nu overflow one by one, but not together.
     out[away] = np.exp((1.0 - nu) * np.log(2.0) - gammaln(nu) + nu * np.log(t) + np.log(kve(nu, t)) - t)
-    return np.minimum(out, 1.0)
+    out = np.minimum(out, 1.0)
+    return out
 
 
 #: Covariance models by the name that a case file gives.

@@ -153,7 +153,8 @@ class Lognormal:
     def pdf(self, h: FloatArray) -> FloatArray:
         """Density."""
         u = (np.log(h) - self.mean) / self.deviation
-        return np.exp(-0.5 * u * u) / (_ROOT_2_PI * self.deviation * h)
+        out: FloatArray = np.exp(-0.5 * u * u) / (_ROOT_2_PI * self.deviation * h)
+        return out
 
 
 @dataclass(frozen=True)

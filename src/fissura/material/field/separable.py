@@ -163,11 +163,11 @@ class SeparableExpansion:
             out = np.empty(len(x))
             for start in range(0, len(x), self.CHUNK):
                 part = x[start : start + self.CHUNK]
-                modes = [
-                    axis.modes(self._covariance, part[:, a])
-                    for axis, a in zip(self._axes, self._permutation, strict=True)
-                ]
-                _contract(*modes, core, self._counts, out[start : start + self.CHUNK])
+                a, b, c = (
+                    axis.modes(self._covariance, part[:, column])
+                    for axis, column in zip(self._axes, self._permutation, strict=True)
+                )
+                _contract(a, b, c, core, self._counts, out[start : start + self.CHUNK])
             return out
 
         return at

@@ -1,0 +1,225 @@
+"""Picture of the random field of a run: slices, colours of bodies, and the marginal distribution with its tail."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
+from numpy.typing import NDArray
+from scipy.special import log_ndtr, ndtri
+
+from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
+
+if TYPE_CHECKING:
+    from fissura.case import Field
+    from fissura.material import RandomField
+    from fissura.material.field import Marginal
+    from fissura.tessellation import Tessellation
+
+__all__ = ["draw_marginal", "draw_slice", "plot_field"]
+
+FloatArray = NDArray[np.float64]
+
+COLOURS = LinearSegmentedColormap.from_list(
+    "strength", ["#5c1124", "#b8402f", "#eba77c", "#f6f3ee", "#9dbfd8", "#3f78ab", "#153a63"]
+)
+"""Weak is red, the mean is pale, strong is blue."""
+
+PIXELS = 260
+"""Pixels of a slice along its longer side."""
+
+PROBABILITIES = (1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.5, 0.9, 0.999)
+"""Probabilities that the paper is labelled with."""
+
+
+def plot_field(
+    field: RandomField,
+    part: Field,
+    size: tuple[float, float, float],
+    tessellation: Tessellation,
+    path: Path,
+    name: str = "",
+) -> None:
+    """Draw two slices of a realisation, the bodies on the front in its colours, and its marginal distribution.
+
+    Parameters
+    ----------
+    field : RandomField
+        The realisation.
+    part : Field
+        Its table in the case, for the text.
+    size : tuple of float
+        Of the specimen [m].
+    tessellation : Tessellation
+        Bodies to be coloured.
+    path : Path
+        File to write; its ending decides the format.
+    name : str, optional
+        Headline.
+    """
+    tall = size[1] > 1.2 * size[0]
+    if tall:
+        figure = Figure(figsize=(8.0, min(2.2 + 6.0 * size[1] / (2.6 * size[0] + size[2]), 11.0)), layout="constrained")
+        places = figure.subplot_mosaic([["slice", "across", "bodies"], ["paper"] * 3], height_ratios=(1.3, 1.0))
+    else:
+        heights = [size[1], size[2], size[1]]
+        figure = Figure(
+            figsize=(11.0, float(np.clip(6.2 * sum(heights) / size[0] + 2.0, 4.2, 9.0))), layout="constrained"
+        )
+        places = figure.subplot_mosaic(
+            [["slice", "paper"], ["across", "paper"], ["bodies", "paper"]],
+            width_ratios=(1.5, 1.0),
+            height_ratios=[max(h, 0.35 * max(heights)) for h in heights],
+        )
+    norm = Normalize(1.0 - 3.0 * part.cov, 1.0 + 3.0 * part.cov)
+    draw_slice(places["slice"], field, size, (0, 1), norm)
+    draw_slice(places["across"], field, size, (2, 1) if tall else (0, 2), norm)
+    places["across"].set_title(f"middle of the {'length' if tall else 'depth'}", loc="left", fontsize=9, color=INK)
+    _draw_bodies(places["bodies"], tessellation, field.strength(tessellation.x), size, norm)
+    bar = figure.colorbar(
+        ScalarMappable(norm, COLOURS), ax=[places[k] for k in ("slice", "across", "bodies")], shrink=0.7, aspect=30
+    )
+    bar.set_label("relative strength H", color=INK)
+    bar.ax.tick_params(colors=INK, labelsize=9)
+    bar.outline.set_visible(False)
+    draw_marginal(places["paper"], field.marginal, part.marginal, _samples(field, size))
+    lengths = " × ".join(f"{1e3 * length:.4g}" for length in part.length)
+    note = f"{part.correlation}, length {lengths} mm, CoV {part.cov:g}, seed {field.seed}: middle of the thickness"
+    headline(places["slice"], name or "random field", note)
+    figure.savefig(path, dpi=DPI)
+
+
+def draw_slice(axes: Axes, field: RandomField, size: Sequence[float], plane: tuple[int, int], norm: Normalize) -> None:
+    """Draw the relative strength on a plane through the middle of a box, spanned by two axes."""
+    width, height = size[plane[0]], size[plane[1]]
+    pixel = max(width, height) / PIXELS
+    across, up = ((np.arange(max(round(s / pixel), 1)) + 0.5) for s in (width, height))
+    x = np.tile(0.5 * np.asarray(size, dtype=float), (len(up), len(across), 1))
+    x[:, :, plane[0]] = across * width / len(across)
+    x[:, :, plane[1]] = (up * height / len(up))[:, None]
+    values = field.strength(x.reshape(-1, 3)).reshape(x.shape[:2])
+    extent = (0.0, 1e3 * width, 0.0, 1e3 * height)
+    axes.imshow(values, cmap=COLOURS, norm=norm, origin="lower", extent=extent, aspect="equal", interpolation="nearest")
+    _frame(axes, plane)
+
+
+def _draw_bodies(
+    axes: Axes, tessellation: Tessellation, factor: FloatArray, size: Sequence[float], norm: Normalize
+) -> None:
+    surface = tessellation.surface
+    polygons, facet = surface.polygons, surface.polygons.facet
+    front = surface.names.index("front") if "front" in surface.names else -1
+    flat = 1e3 * polygons.points[:, :2]
+    chosen = np.flatnonzero(surface.surface[facet] == front)
+    shapes = [flat[polygons.offsets[k] : polygons.offsets[k + 1]] for k in chosen]
+    colours = COLOURS(norm(factor[surface.body[facet[chosen]]]))
+    axes.add_collection(PolyCollection(shapes, facecolors=colours, edgecolors="#ffffffb0", linewidths=0.25))
+    axes.set_xlim(0.0, 1e3 * size[0])
+    axes.set_ylim(0.0, 1e3 * size[1])
+    axes.set_aspect("equal")
+    axes.set_title("bodies on the front, each at its nucleus", loc="left", fontsize=9, color=INK)
+    _frame(axes, (0, 1))
+
+
+def _frame(axes: Axes, plane: tuple[int, int]) -> None:
+    tidy(axes)
+    axes.grid(False)
+    axes.set_xlabel(f"{'xyz'[plane[0]]} [mm]")
+    axes.set_ylabel(f"{'xyz'[plane[1]]} [mm]")
+
+
+def _samples(field: RandomField, size: Sequence[float]) -> FloatArray:
+    """Values of a realisation all over a box, sorted."""
+    count = [12 + round(28 * s / max(size)) for s in size]
+    axes = [(np.arange(n) + 0.5) * s / n for n, s in zip(count, size, strict=True)]
+    return np.sort(field.strength(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)))
+
+
+def draw_marginal(axes: Axes, marginal: Marginal, name: str, samples: FloatArray | None = None) -> None:
+    """Draw a distribution on Weibull probability paper, where a Weibull distribution is a straight line.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where.
+    marginal : Marginal
+        The distribution; a graft is marked, and both its parts are drawn beyond it.
+    name : str
+        For the legend.
+    samples : (n,) array, optional
+        Sorted values of a realisation.
+    """
+    z = np.linspace(ndtri(PROBABILITIES[0]) - 0.2, ndtri(PROBABILITIES[-1]), 400)
+    h = marginal.from_gaussian(z)
+    axes.plot(np.log(h), _paper(marginal.log_cdf(h)), color=BLUE, linewidth=2.0, label=name, zorder=3)
+    low, high = np.log(h[0]), np.log(h[-1])
+    point: Any = getattr(marginal, "point", None)
+    if point is not None:
+        grafted: Any = marginal
+        tail = np.array([low - 0.05, high])
+        axes.plot(
+            tail,
+            grafted.shape * (tail - np.log(grafted.scale)),
+            color=ORANGE,
+            linewidth=1.0,
+            linestyle=(0, (4, 2)),
+            label=f"Weibull tail, shape {grafted.shape:g}",
+            zorder=2,
+        )
+        core = np.linspace(max(grafted.mean - 6.0 * grafted.deviation, 0.02), np.exp(high), 300)
+        axes.plot(
+            np.log(core),
+            _paper(log_ndtr((core - grafted.mean) / grafted.deviation)),
+            color=GREY,
+            linewidth=1.6,
+            linestyle=(0, (4, 2)),
+            label="its Gaussian core",
+            zorder=1,
+        )
+        axes.plot(np.log(point), _paper(np.log([grafted.probability])), "o", color=ORANGE, markersize=5, zorder=4)
+        axes.annotate(
+            "graft",
+            (np.log(point), float(_paper(np.log([grafted.probability]))[0])),
+            xytext=(-8, 0),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            fontsize=9,
+            color=INK,
+        )
+    if samples is not None:
+        rank = (np.arange(len(samples)) + 0.5) / len(samples)
+        kept = np.unique(np.round(np.geomspace(1, len(samples), 120)).astype(int)) - 1
+        kept = np.union1d(kept, len(samples) - 1 - kept)
+        label = "this realisation, by volume"
+        axes.plot(
+            np.log(samples[kept]), _paper(np.log(rank[kept])), ".", color=INK, markersize=3, label=label, zorder=3
+        )
+        low, high = min(low, np.log(samples[0])), max(high, np.log(samples[-1]))
+    tidy(axes)
+    axes.set_xlim(low - 0.05, high + 0.1)
+    axes.set_ylim(_paper(np.log([PROBABILITIES[0]]))[0], _paper(np.log([0.9999]))[0])
+    axes.yaxis.set_major_locator(FixedLocator(_paper(np.log(PROBABILITIES)).tolist()))
+    axes.set_yticklabels([f"{p:g}" for p in PROBABILITIES])
+    marks = [v for v in (0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0) if low - 0.05 < np.log(v) < high + 0.1]
+    axes.xaxis.set_major_locator(FixedLocator(np.log(marks).tolist()))
+    axes.set_xticklabels([f"{v:g}" for v in marks])
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.set_xlabel("relative strength H")
+    axes.set_ylabel("probability of less")
+    axes.set_title("marginal on Weibull paper", loc="left", fontsize=9, color=INK)
+    axes.legend(fontsize=9, labelcolor=INK, edgecolor="none", framealpha=0.85, loc="lower right")
+
+
+def _paper(log_cdf: Any) -> FloatArray:
+    """Ordinate of Weibull paper, ``log(-log(1 - F))``, from the logarithm of F."""
+    out: FloatArray = np.log(-np.log1p(-np.exp(np.minimum(log_cdf, -1e-16))))
+    return out
