@@ -213,7 +213,7 @@ def _file(value: Any, info: ValidationInfo) -> Path:
 def _one_or_three(value: Any) -> Any:
     """Take one length where three may stand as a list of one."""
     if not isinstance(value, (list, tuple)):
-        return (value,)
+        return (_quantity(LENGTH, 0.0)(value),)
     if len(value) not in (1, 3):
         fail(f"the list has {len(value)} entries", "one length, or a list of three")
     return value
