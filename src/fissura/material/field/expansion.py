@@ -26,7 +26,7 @@ _SPACING, _SHRINK = 1.0 / 3.0, 0.8
 #: Most nodes for all eigenpairs of a grid, and for products of one-dimensional ones. Measured by
 #: `benchmarks/random_field.py`: beyond them circulant embedding costs less for each point.
 _DENSE, _SEPARABLE = 300, 20_000
-#: Most nodes of a torus: as many as fit into half a gigabyte, and as many as a finer grid may have that only the
+#: Most nodes of a torus: as many as take about a gigabyte, and as many as a finer grid may have that only the
 #: variance error asks for.
 _MOST, _MOST_FINER = 1 << 24, 1 << 21
 
