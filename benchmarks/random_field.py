@@ -58,7 +58,8 @@ run that has a folder.
 
 DISTORTION = """\
 What the marginal distribution does to correlation (CoV 0.25): that of `H` less that of `Ĥ`, by Gauss-Hermite
-quadrature. And what a variance error does to it when it is not corrected: the probability of less than `H`, over the right one.
+quadrature. And what a variance error does to it when it is not corrected: the probability of less than `H`, over the
+right one.
 """
 
 

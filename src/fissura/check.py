@@ -12,7 +12,7 @@ from fissura.case import Case
 from fissura.errors import InputError
 
 if TYPE_CHECKING:
-    from fissura.material import RandomField
+    from fissura.material.field import RandomField
 
 __all__ = [
     "CheckReport",

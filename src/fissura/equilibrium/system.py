@@ -6,6 +6,7 @@ from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +25,12 @@ from fissura.equilibrium.attach import attach, attach_rows, owners
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.symmetric import SymmetricSolver
-from fissura.material import Material, RandomField, Regions
+from fissura.material import Material, Regions
 from fissura.specimen import Conditions
 from fissura.tessellation import Tessellation
+
+if TYPE_CHECKING:
+    from fissura.material.field import RandomField
 
 __all__ = ["Response", "System"]
 

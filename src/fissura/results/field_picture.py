@@ -20,8 +20,7 @@ from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, headline, tid
 
 if TYPE_CHECKING:
     from fissura.case import Field
-    from fissura.material import RandomField
-    from fissura.material.field import Marginal
+    from fissura.material.field import Marginal, RandomField
     from fissura.tessellation import Tessellation
 
 __all__ = ["draw_marginal", "draw_slice", "plot_field"]
