@@ -16,7 +16,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri
 
-from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
+from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, tidy
 
 if TYPE_CHECKING:
     from fissura.case import Field
@@ -65,23 +65,25 @@ def plot_field(
         Headline.
     """
     tall = size[1] > 1.2 * size[0]
+    figure = Figure(layout="constrained")
     if tall:
-        figure = Figure(figsize=(8.0, min(2.2 + 6.0 * size[1] / (2.6 * size[0] + size[2]), 11.0)), layout="constrained")
-        places = figure.subplot_mosaic([["slice", "across", "bodies"], ["paper"] * 3], height_ratios=(1.3, 1.0))
-    else:
-        heights = [size[1], size[2], size[1]]
-        figure = Figure(
-            figsize=(11.0, float(np.clip(6.2 * sum(heights) / size[0] + 2.0, 4.2, 9.0))), layout="constrained"
+        figure.set_size_inches(9.0, 5.2 + float(np.clip(5.4 * size[1] / (2.0 * size[0] + size[2]), 2.5, 7.0)))
+        places = figure.subplot_mosaic(
+            [["slice", "across", "bodies"], ["paper"] * 3],
+            width_ratios=[max(side, 0.4 * size[0]) for side in (size[0], size[2], size[0])],
+            height_ratios=(figure.get_figheight() - 4.2, 3.6),
         )
+    else:
+        heights = [max(side, 0.5 * size[1]) for side in (size[1], size[2], size[1])]
+        figure.set_size_inches(11.0, 3.2 + float(np.clip(5.6 * sum(heights) / size[0], 1.6, 7.0)))
         places = figure.subplot_mosaic(
             [["slice", "paper"], ["across", "paper"], ["bodies", "paper"]],
             width_ratios=(1.5, 1.0),
-            height_ratios=[max(h, 0.35 * max(heights)) for h in heights],
+            height_ratios=heights,
         )
     norm = Normalize(1.0 - 3.0 * part.cov, 1.0 + 3.0 * part.cov)
     draw_slice(places["slice"], field, size, (0, 1), norm)
     draw_slice(places["across"], field, size, (2, 1) if tall else (0, 2), norm)
-    places["across"].set_title(f"middle of the {'length' if tall else 'depth'}", loc="left", fontsize=9, color=INK)
     _draw_bodies(places["bodies"], tessellation, field.strength(tessellation.x), size, norm)
     bar = figure.colorbar(
         ScalarMappable(norm, COLOURS), ax=[places[k] for k in ("slice", "across", "bodies")], shrink=0.7, aspect=30
@@ -90,9 +92,12 @@ def plot_field(
     bar.ax.tick_params(colors=INK, labelsize=9)
     bar.outline.set_visible(False)
     draw_marginal(places["paper"], field.marginal, part.marginal, _samples(field, size))
+    titles = {"slice": "middle of the thickness", "across": f"middle of the {'length' if tall else 'depth'}"}
+    for key, title in (titles | {"bodies": "bodies on the front"}).items():
+        places[key].set_title(title, loc="left", fontsize=9, color=INK)
     lengths = " × ".join(f"{1e3 * length:.4g}" for length in part.length)
-    note = f"{part.correlation}, length {lengths} mm, CoV {part.cov:g}, seed {field.seed}: middle of the thickness"
-    headline(places["slice"], name or "random field", note)
+    note = f"{part.correlation} correlation, length {lengths} mm, CoV {part.cov:g}, seed {field.seed}"
+    figure.suptitle(f"{name}: {note}" if name else note, x=0.01, ha="left", fontsize=10, color=INK)
     figure.savefig(path, dpi=DPI)
 
 
@@ -124,7 +129,6 @@ def _draw_bodies(
     axes.set_xlim(0.0, 1e3 * size[0])
     axes.set_ylim(0.0, 1e3 * size[1])
     axes.set_aspect("equal")
-    axes.set_title("bodies on the front, each at its nucleus", loc="left", fontsize=9, color=INK)
     _frame(axes, (0, 1))
 
 
