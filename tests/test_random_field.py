@@ -25,10 +25,9 @@ def done(full=False, criterion="utilisation", r_f=0.024):
     return simulation, list(simulation.steps())
 
 
-@pytest.mark.parametrize("seed", [4, 5])
-def test_long_correlation_is_another_material(seed):
+def test_long_correlation_is_another_material():
     """A field that is the same everywhere, against a case with its strengths and fracture energies."""
-    one = Simulation(beam(field={"length": 1e6, "seed": seed}, **REFINING))
+    one = Simulation(beam(field={"length": 1e6, "seed": 4}, **REFINING))
     h = float(one.field.strength(np.zeros((1, 3)))[0])
     assert abs(h - 1.0) > 0.02
     other = Simulation(beam(material={"f_t": 2.2e6 * h, "G_t": 35.0 * h * h}, **REFINING))

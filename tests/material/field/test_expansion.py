@@ -57,14 +57,14 @@ def test_covariance_of_the_field(covariance, kind):
 def test_variance_error_is_that_of_the_modes():
     """What is reported against the variance of the field before it is corrected, at many points."""
     covariance = covariance_named("squared-exponential", (0.03,))
-    for limit in (0.2, 0.01, 1e-3):
+    for limit in (0.2, 0.01):
         one = SeparableExpansion(covariance, SIZE, covariance.length / 3, limit)
         other = DenseExpansion(covariance, SIZE, covariance.length / 3, limit)
         assert one.accuracy.mean <= limit
         assert other.accuracy.mean <= limit
         assert abs(one.accuracy.modes - other.accuracy.modes) <= 1
         nodes = other._nodes
-        x = np.random.default_rng(1).random((20_000, 3)) * SIZE
+        x = np.random.default_rng(1).random((8000, 3)) * SIZE
         on_faces = np.round(np.random.default_rng(2).random((4000, 3)) * 10.0) / 10.0 * SIZE
         error = 1.0 - np.square(covariance.between(x, nodes) @ other._basis).sum(axis=1)
         assert error.mean() == pytest.approx(other.accuracy.mean, rel=0.03)
