@@ -85,9 +85,9 @@ def animate(
     """
     path = Path(path)
     _check_format(path)
+    every = read_history(folder)
     if not path.parent.is_dir():
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path.parent))
-    every = read_history(folder)
     result, shown = Result.load(folder), [every[k] for k in chosen(every, most)]
     pictures = _drawn(result, shown, look_of(result.case, shown, stress=stress), width)
     temporary = path.with_name(f".{path.stem}.part{path.suffix}")
