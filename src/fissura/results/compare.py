@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.results import quantities as text
+from fissura.results.path import LoadPath
 from fissura.results.result import Result
 
 __all__ = ["Comparison", "compare", "compare_results"]
 
 FloatArray = NDArray[np.float64]
-
-ROUND_OFF = 1e-9
-"""Part of the energy at the end below which a step has dissipated nothing."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -145,7 +143,7 @@ def compare_results(a: Result, b: Result) -> Comparison:
     InputError
         A run has no steps with a positive gauge, or its gauge turns back though it dissipates nothing.
     """
-    path_a, path_b = _Path.of(a), _Path.of(b)
+    path_a, path_b = LoadPath.of(a.curve, _key(a)), LoadPath.of(b.curve, _key(b))
     by_gauge = path_a.grows and path_b.grows
     (x_a, of_a), (x_b, of_b) = (path.over_gauge() if by_gauge else path.over_energy() for path in (path_a, path_b))
     # Over energy the elastic part is one point, and where exactly damage begins depends on the steps.
@@ -175,49 +173,6 @@ def compare_results(a: Result, b: Result) -> Comparison:
         stiffness_difference=_difference(a.initial_stiffness, b.initial_stiffness),
         cpu_ratio=_fraction(b.curve["cpu_s"][-1], a.curve["cpu_s"][-1]),
     )
-
-
-@dataclass(frozen=True)
-class _Path:
-    """Gauge, load and dissipated energy of a run, with the state before its first step in front."""
-
-    key: str
-    gauge: FloatArray
-    load: FloatArray
-    energy: FloatArray
-
-    @classmethod
-    def of(cls, result: Result) -> _Path:
-        if not np.any(result.gauge > 0):
-            raise InputError(_key(result), "has no step with a positive gauge", "a run of at least one step")
-        energies = result.curve["dissipated_J"].astype(np.float64)
-        return cls(
-            _key(result),
-            np.append(0.0, result.gauge),
-            np.append(0.0, result.load_values),
-            np.append(0.0, energies),
-        )
-
-    @property
-    def grows(self) -> bool:
-        """Whether the gauge grows from step to step."""
-        return bool(np.all(np.diff(self.gauge) > 0))
-
-    def over_gauge(self) -> tuple[FloatArray, FloatArray]:
-        """Gauges, and loads, gauges and energies at them, shape (3, k)."""
-        return self.gauge, np.stack([self.load, self.gauge, self.energy])
-
-    def over_energy(self) -> tuple[FloatArray, FloatArray]:
-        """Energies, and the same at them, from the last step on that dissipated nothing.
-
-        The elastic steps before it all have the same energy, up to round-off.
-        """
-        energy = np.maximum.accumulate(self.energy)
-        energy[energy <= ROUND_OFF * energy[-1]] = 0.0
-        last = np.append(np.diff(energy) > 0, True)
-        if last.sum() < 2:
-            raise InputError(self.key, "has a gauge that turns back, and no dissipated energy", "a run with damage")
-        return energy[last], np.stack([self.load, self.gauge, energy])[:, last]
 
 
 def _peak(x: FloatArray, of: FloatArray, end: float) -> tuple[float, float]:
