@@ -11,22 +11,37 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fissura.api import run
     from fissura.case import Case, load_case
+    from fissura.ensemble.result import EnsembleResult
+    from fissura.ensemble.runner import run_ensemble
     from fissura.errors import InputError, RunStopped
     from fissura.results import Result
     from fissura.simulation import Simulation
 
     __version__: str
 
-__all__ = ["Case", "InputError", "Result", "RunStopped", "Simulation", "__version__", "load_case", "run"]
+__all__ = [
+    "Case",
+    "EnsembleResult",
+    "InputError",
+    "Result",
+    "RunStopped",
+    "Simulation",
+    "__version__",
+    "load_case",
+    "run",
+    "run_ensemble",
+]
 
 _HOME = {
     "Case": "fissura.case",
+    "EnsembleResult": "fissura.ensemble.result",
     "InputError": "fissura.errors",
     "Result": "fissura.results",
     "RunStopped": "fissura.errors",
     "Simulation": "fissura.simulation",
     "load_case": "fissura.case",
     "run": "fissura.api",
+    "run_ensemble": "fissura.ensemble.runner",
 }
 
 

@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from fissura.ensemble.command import ensemble
 from fissura.errors import FissuraError, InputError, RunStopped
 
 __all__ = ["app", "main"]
@@ -370,6 +371,9 @@ def _print_columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     for row in (heads, *rows):
         typer.echo("  ".join(f"{text:<{width}}" for text, width in zip(row, widths, strict=True)).rstrip())
     typer.echo("")
+
+
+app.command()(ensemble)
 
 
 def _print_version(wanted: bool) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["FissuraError", "InputError", "RunStopped"]
+__all__ = ["EnsembleStopped", "FissuraError", "InputError", "RunStopped"]
 
 
 class FissuraError(Exception):
@@ -47,3 +47,7 @@ class RunStopped(FissuraError):
         self.step = step
         self.gauge = gauge
         super().__init__(f"stopped at step {step}, control value {gauge:.6g} m: {reason}")
+
+
+class EnsembleStopped(FissuraError):
+    """An ensemble that cannot go on; every realisation that has ended is on disk, and the ensemble can be resumed."""

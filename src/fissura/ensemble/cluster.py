@@ -1,0 +1,136 @@
+"""Where realisations are computed: processes of this machine, or any Dask cluster."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING, Any
+
+from fissura.check import estimate_bodies, estimate_memory, physical_memory
+from fissura.ensemble.outcome import Outcome, compute
+from fissura.ensemble.plan import Task
+from fissura.errors import EnsembleStopped, InputError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from fissura.case import Case
+
+__all__ = ["connected", "outcomes", "require_dask", "workers_that_fit"]
+
+_log = logging.getLogger(__name__)
+
+INSTALL = "pip install fissura[ensemble]"
+
+#: Libraries that start threads of their own, by the variable that limits them.
+THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
+
+def require_dask() -> None:
+    """Raise InputError if what ensembles need beyond a single run is not installed."""
+    for package in ("dask", "distributed", "pyarrow", "jinja2"):
+        try:
+            __import__(package)
+        except ImportError as error:
+            raise InputError("fissura ensemble", f"needs {package}, which is not installed", INSTALL) from error
+
+
+def workers_that_fit(case: Case, *, full: bool) -> int:
+    """Number of local processes by default: one per processor, fewer if that many runs do not fit into memory."""
+    bodies = estimate_bodies(case) if case.discretization.nuclei is None else 0.0
+    # Adaptive runs are far from the estimate of full resolution; a half of it is on the safe side.
+    memory = estimate_memory(bodies if full else bodies / 2.0)
+    return max(1, min(_processors(), int(physical_memory() / memory)))
+
+
+def _processors() -> int:
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not Linux
+        return os.cpu_count() or 1
+
+
+@contextmanager
+def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> Iterator[Client]:
+    """A client of a cluster.
+
+    Parameters
+    ----------
+    workers : int
+        Local processes to start, unless there is a scheduler.
+    threads : int, optional
+        Threads of linear algebra in each of them.
+    scheduler : str, optional
+        Address of a scheduler whose workers are to be used, for example ``"tcp://127.0.0.1:8786"``.
+
+    Raises
+    ------
+    InputError
+        Dask is not installed, or the scheduler cannot be reached.
+    """
+    require_dask()
+    import dask
+    from distributed import Client, LocalCluster
+
+    limits = {name: str(threads) for name in THREADS}
+    settings = {"distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": "65536", **limits}}
+    with ExitStack() as stack:
+        stack.enter_context(dask.config.set(settings))
+        for name in ("distributed", "distributed.nanny", "distributed.worker", "distributed.scheduler"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+        if scheduler is None:
+            cluster: Any = stack.enter_context(
+                LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    memory_limit=None,
+                    dashboard_address=None,
+                    host="127.0.0.1",
+                    preload="fissura.ensemble.preload",
+                )
+            )
+        else:
+            cluster = scheduler
+        try:
+            client = stack.enter_context(Client(cluster, set_as_default=False))
+        except (OSError, ValueError, TimeoutError) as error:
+            raise InputError(
+                "--scheduler", f"{scheduler} cannot be reached ({error})", "the address that `dask scheduler` prints"
+            ) from error
+        yield client
+
+
+def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
+    """Compute tasks, and yield what becomes of each in the order in which they end.
+
+    A realisation whose worker dies is computed again by another one; the cluster gives up on it after several such
+    deaths (``distributed.scheduler.allowed-failures``), and it has failed then.
+
+    Raises
+    ------
+    EnsembleStopped
+        The scheduler has gone.
+    """
+    from distributed import KilledWorker, as_completed
+
+    waiting = {}
+    for task in tasks:
+        # The name makes Dask compute it afresh: an equal task of an earlier ensemble must not stand for it.
+        future = client.submit(compute, task, pure=False)
+        waiting[future.key] = (future, task)
+    for future in as_completed([future for future, _ in waiting.values()], loop=client.loop):
+        _, task = waiting.pop(future.key)
+        if future.status == "finished":
+            outcome = future.result()
+        elif future.status == "error":
+            error = future.exception()
+            if isinstance(error, KilledWorker):
+                error = MemoryError("the processes that computed it died, perhaps for lack of memory")
+            outcome = Outcome.failed(task, error)
+        else:
+            raise EnsembleStopped("the scheduler or its connection has gone")
+        future.release()  # workers need not keep it any longer
+        yield outcome

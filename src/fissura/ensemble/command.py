@@ -1,0 +1,130 @@
+"""The command ``fissura ensemble``."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+__all__ = ["ensemble"]
+
+
+class Mode(StrEnum):
+    """What is random."""
+
+    geometry = "geometry"
+    field = "field"
+    both = "both"
+
+
+class Sampling(StrEnum):
+    """How the field is sampled."""
+
+    monte_carlo = "monte-carlo"
+    latin_hypercube = "latin-hypercube"
+
+
+class Companions(StrEnum):
+    """Deterministic runs for comparison."""
+
+    one = "one"
+    each = "each"
+    none = "none"
+
+
+def ensemble(
+    case: Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)],
+    runs: Annotated[int, typer.Option(min=1, help="Number of realisations.", show_default=False)],
+    mode: Annotated[
+        Mode | None, typer.Option(help="What is random.", show_default="both with a [field], else geometry")
+    ] = None,
+    sampling: Annotated[Sampling, typer.Option(help="How the field is sampled.")] = Sampling.monte_carlo,
+    leading_modes: Annotated[
+        int | None,
+        typer.Option(min=1, help="Modes that Latin hypercubes stratify.", show_default="10, or all if fewer"),
+    ] = None,
+    companions: Annotated[
+        Companions, typer.Option(help="Runs without a field: one, one for each realisation, or none.")
+    ] = Companions.one,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one per processor")
+    ] = None,
+    threads_per_worker: Annotated[int, typer.Option(min=1, help="Threads of linear algebra in each.")] = 1,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this Dask scheduler instead.")
+    ] = None,
+    full: Annotated[bool, typer.Option("--full", help="Full resolution everywhere, no adaptivity.")] = False,
+    keep: Annotated[
+        bool, typer.Option("--keep", help="Keep all the files of every run, pictures and VTK, too.")
+    ] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with what is in the folder.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace earlier results there.")] = False,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of the ensemble.", show_default="that of the case")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Folder for the results.", show_default="results/NAME_ensemble")
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print errors and warnings only.")] = False,
+) -> None:
+    """Run many realisations of a case, on all processors or on a cluster, and evaluate them together."""
+    # The command line imports this module, so what they share is imported when it is called.
+    from fissura.cli import INTERRUPTED, NOT_WRITTEN, STOPPED, _errors, _print_table, _say, _warnings
+    from fissura.errors import EnsembleStopped
+    from fissura.interrupts import interruptible
+
+    with _errors(), interruptible(_say):
+        from fissura.case import load_case
+        from fissura.ensemble.progress import EnsembleProgress
+        from fissura.ensemble.runner import run_ensemble
+
+        loaded = load_case(case)
+        name = loaded.name + ("_full" if full else "") + "_ensemble"
+        folder = output if output is not None else Path("results") / name
+        console = Console(stderr=True)
+        progress = None if quiet else EnsembleProgress(console)
+        go_on = f"what has ended is saved in {folder}; --resume goes on from there"
+        try:
+            with _warnings(console), progress or nullcontext():
+                result = run_ensemble(
+                    loaded,
+                    runs,
+                    output=folder,
+                    mode=None if mode is None else mode.value,
+                    sampling=sampling.value,
+                    leading_modes=leading_modes,
+                    companions=companions.value,
+                    seed=seed,
+                    full=full,
+                    keep=keep,
+                    resume=resume,
+                    overwrite=overwrite,
+                    workers=workers,
+                    threads_per_worker=threads_per_worker,
+                    scheduler=scheduler,
+                    on_start=progress.start if progress else None,
+                    on_outcome=progress.outcome if progress else None,
+                )
+        except KeyboardInterrupt:
+            _say(f"interrupted; {go_on}")
+            raise typer.Exit(INTERRUPTED) from None
+        except EnsembleStopped as error:
+            _say(f"error: {error}; {go_on}")
+            raise typer.Exit(STOPPED) from None
+        except OSError as error:
+            where = error.filename or f"a file in {folder}"
+            _say(f"error: {where}: cannot be written: {error.strerror or error}; {go_on}")
+            raise typer.Exit(NOT_WRITTEN) from None
+        if not quiet:
+            _print_table([*result.table(), ("results", str(folder)), ("report", str(folder / "report.html"))])
+        if not result.complete:
+            unfinished = result.unfinished()
+            for name, reason in unfinished[:10]:
+                _say(f"{name} {reason}")
+            more = f", {len(unfinished) - 10} more of them not named here" if len(unfinished) > 10 else ""
+            _say(f"error: {len(unfinished)} runs did not finish{more}; see {folder / 'report.html'}")
+            raise typer.Exit(STOPPED)

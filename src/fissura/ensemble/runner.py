@@ -1,0 +1,233 @@
+"""Running an ensemble: what is missing is computed, everything is written the moment it ends, then evaluated."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from fissura.case import Case, load_case
+from fissura.check import require_memory
+from fissura.ensemble.cluster import connected, outcomes, require_dask, workers_that_fit
+from fissura.ensemble.outcome import Outcome
+from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling, Task, field_of
+from fissura.ensemble.result import EnsembleResult
+from fissura.ensemble.store import Store
+from fissura.ensemble.table import table, write_table
+from fissura.errors import EnsembleStopped, FissuraError, InputError
+
+__all__ = ["run_ensemble"]
+
+_log = logging.getLogger(__name__)
+
+
+def run_ensemble(
+    case: Case | str | Path,
+    runs: int,
+    *,
+    output: str | Path,
+    mode: Mode | None = None,
+    sampling: Sampling = "monte-carlo",
+    leading_modes: int | None = None,
+    seed: int | None = None,
+    full: bool = False,
+    companions: Companions = "one",
+    keep: bool = False,
+    resume: bool = False,
+    overwrite: bool = False,
+    workers: int | None = None,
+    threads_per_worker: int = 1,
+    scheduler: str | None = None,
+    on_start: Callable[[Plan, int, int], None] | None = None,
+    on_outcome: Callable[[dict[str, Any]], None] | None = None,
+) -> EnsembleResult:
+    """Run many realisations of a case.
+
+    A script that calls this needs the guard ``if __name__ == "__main__":``, as every program that starts processes.
+
+    Parameters
+    ----------
+    case : Case or path
+        Case, or the TOML file that describes it.
+    runs : int
+        Number of realisations.
+    output : path
+        Folder for the results.
+    mode : {"geometry", "field", "both"}, optional
+        What is random: the nuclei, the field of material, or both; by default both if the case has a field, else the
+        nuclei.
+    sampling : {"monte-carlo", "latin-hypercube"}, optional
+        How the field is sampled.
+    leading_modes : int, optional
+        Modes of the field that Latin hypercube sampling stratifies; by default 10, or all if there are fewer.
+    seed : int, optional
+        Seed of the ensemble, from which those of all realisations are spawned; by default the seed of the case.
+    full : bool, optional
+        Full resolution instead of adaptive refinement.
+    companions : {"one", "each", "none"}, optional
+        Deterministic runs for comparison: one with the nuclei of the case, or one with those of each realisation.
+    keep : bool, optional
+        Keep all the files of every run, as ``output.vtk`` asks for them; by default its curve and summary only.
+    resume : bool, optional
+        Go on with what is in the folder.
+    overwrite : bool, optional
+        Whether the folder may hold an earlier ensemble, which is replaced.
+    workers : int, optional
+        Processes on this machine; by default one per processor, as far as memory allows.
+    threads_per_worker : int, optional
+        Threads of linear algebra in each of them.
+    scheduler : str, optional
+        Address of a Dask scheduler whose workers are used instead.
+    on_start : callable, optional
+        Called with the plan, the number of runs to be computed, companions included, and of those already there.
+    on_outcome : callable, optional
+        Called with the summary of every run, after it was written.
+
+    Returns
+    -------
+    EnsembleResult
+        The table of runs and everything that was made from it.
+
+    Raises
+    ------
+    InputError
+        An argument, the case or the folder is wrong, or the optional dependencies are not installed; nothing has been
+        computed then.
+    EnsembleStopped
+        The scheduler has gone. As with KeyboardInterrupt and OSError, what has ended is on disk, and ``resume`` goes
+        on.
+    """
+    require_dask()
+    if not isinstance(case, Case):
+        case = load_case(case)
+    plan = Plan(
+        case,
+        runs,
+        ("geometry" if field_of(case) is None else "both") if mode is None else mode,
+        sampling,
+        case.seed if seed is None else seed,
+        full,
+        companions,
+        _leading_modes(case, sampling) if leading_modes is None else leading_modes,
+        keep,
+    )
+    for option, number in (("--workers", workers), ("--threads-per-worker", threads_per_worker)):
+        if number is not None and (isinstance(number, bool) or not isinstance(number, int) or number < 1):
+            raise InputError(option, f"{number!r} is not possible", "a whole number, 1 or larger")
+    if scheduler is not None and workers is not None:
+        raise InputError(
+            "--workers", "is given together with --scheduler", "one of them: the scheduler has its workers"
+        )
+    if scheduler is None:
+        require_memory(case, full=full)
+    store = _folder(output, plan, resume=resume, overwrite=overwrite)
+    _compute(plan, store, workers, threads_per_worker, scheduler, on_start, on_outcome)
+    return evaluate(plan, store)
+
+
+def _leading_modes(case: Case, sampling: Sampling) -> int:
+    """Number of modes to stratify by default."""
+    if sampling != "latin-hypercube" or field_of(case) is None:
+        return LEADING_MODES
+    from fissura.material import field_from_case
+
+    field = field_from_case(case)
+    assert field is not None
+    return min(LEADING_MODES, field.accuracy.modes)
+
+
+def _folder(output: str | Path, plan: Plan, *, resume: bool, overwrite: bool) -> Store:
+    """The folder, ready to be written to."""
+    from fissura.api import prepare_folder
+
+    if resume and overwrite:
+        raise InputError("--resume", "is given together with --overwrite", "one of them")
+    if resume and not Path(output).is_dir():
+        raise InputError("--resume", f"there is no folder {output}", "the folder of an ensemble")
+    store = Store(prepare_folder(output, overwrite=overwrite or resume))
+    if resume:
+        warning = store.resume(plan)
+        if warning:
+            _log.warning(warning)
+    else:
+        store.begin(plan)
+    return store
+
+
+def _compute(
+    plan: Plan,
+    store: Store,
+    workers: int | None,
+    threads: int,
+    scheduler: str | None,
+    on_start: Callable[[Plan, int, int], None] | None,
+    on_outcome: Callable[[dict[str, Any]], None] | None,
+) -> None:
+    """Compute what is not there yet."""
+    tasks = list(plan.tasks())
+    missing = [task for task in tasks if store.summary(task) is None]
+    if on_start is not None:
+        on_start(plan, len(missing), len(tasks) - len(missing))
+    if not missing:
+        return
+    count = min(workers or workers_that_fit(plan.case, full=plan.full), len(missing))
+    try:
+        with connected(count, threads, scheduler) as client:
+            collect(outcomes(client, missing), store, missing, on_outcome)
+    except BaseException:
+        # Whatever ended it, the table of what is there helps the user now.
+        write_table(table(store.summaries()), store.folder)
+        raise
+
+
+def collect(
+    arriving: Iterable[Outcome],
+    store: Store,
+    missing: list[Task],
+    on_outcome: Callable[[dict[str, Any]], None] | None = None,
+) -> None:
+    """Write what arrives.
+
+    Raises
+    ------
+    EnsembleStopped
+        Some of what was missing did not arrive.
+    OSError
+        A file cannot be written.
+    """
+    left = {task.key for task in missing}
+    try:
+        for outcome in arriving:
+            summary = store.write(outcome)
+            left.discard(outcome.task.key)
+            if on_outcome is not None:
+                on_outcome(summary)
+    except EnsembleStopped as error:
+        raise EnsembleStopped(f"{error}; {len(left)} of {len(missing)} runs are missing") from error
+    if left:
+        raise EnsembleStopped(f"{len(left)} of {len(missing)} runs did not arrive")
+
+
+def evaluate(plan: Plan, store: Store) -> EnsembleResult:
+    """Write tables, statistics, pictures and the report of what is in the folder.
+
+    An earlier ensemble may have had more runs; those beyond the plan's stay on disk, and out of the tables.
+    """
+    from fissura.ensemble.report import write_report
+
+    wanted = {task.key for task in plan.tasks()}
+    summaries = [
+        summary
+        for summary in store.summaries()
+        if (summary["realisation"]["kind"], summary["realisation"]["number"]) in wanted
+    ]
+    rows = table(summaries)
+    write_table(rows, store.folder)
+    result = EnsembleResult.of(plan, rows, store.folder)
+    result.write()
+    try:
+        write_report(result)
+    except FissuraError as error:  # the numbers are worth more than the page
+        _log.warning("report.html was not written: %s", error)
+    return result

@@ -1,0 +1,220 @@
+"""The folder of an ensemble: one folder for each realisation, there as a whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fissura.ensemble.plan import Plan, Task
+from fissura.errors import InputError
+from fissura.results.curve import COLUMNS, CurveWriter
+from fissura.results.summary import FORMAT_VERSION, read_summary, versions, write_atomically, write_summary
+
+if TYPE_CHECKING:
+    from fissura.ensemble.outcome import Outcome
+
+__all__ = ["Store", "describe"]
+
+RUNS, COMPANIONS = "runs", "companions"
+
+OWN = (
+    RUNS,
+    COMPANIONS,
+    "pictures",
+    "ensemble.json",
+    "case.toml",
+    "case.json",
+    "runs.csv",
+    "runs.parquet",
+    "mean_curve.csv",
+    "statistics.json",
+    "report.html",
+)
+"""Files and folders of an ensemble, removed before a new one in the same place; nothing else is touched."""
+
+FREE = {"runs", "companions", "keep"}
+"""What may differ when an ensemble is resumed, with Monte Carlo sampling."""
+
+
+def describe(plan: Plan) -> dict[str, Any]:
+    """The plan as plain data, its case with all defaults resolved: what decides the numbers."""
+    case = plan.case.model_dump(mode="json", exclude={"source": True, "name": True, "output": True})
+    return {
+        "format_version": FORMAT_VERSION,
+        "runs": plan.runs,
+        "mode": plan.mode,
+        "sampling": plan.sampling,
+        "seed": plan.master,
+        "full": plan.full,
+        "companions": plan.companions,
+        "leading_modes": plan.leading_modes if plan.sampling == "latin-hypercube" else None,
+        "keep": plan.keep,
+        "case": case,
+    }
+
+
+class Store:
+    """Reads and writes the folder of an ensemble.
+
+    The process that plans the ensemble is the only one to write here: results of a realisation are some ten kilobytes
+    and travel back to it. So workers need no disk in common with it, and only one process can leave half a file.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; it must exist.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def begin(self, plan: Plan) -> None:
+        """Start a new ensemble: remove what an earlier one left, and write down the plan."""
+        for name in OWN:
+            path = self.folder / name
+            if path.is_dir():
+                shutil.rmtree(path)
+            else:
+                path.unlink(missing_ok=True)
+        source = plan.case.source
+        if isinstance(source, str):
+            write_atomically(self.folder / "case.toml", source.encode())
+        self._write_plan(plan)
+
+    def resume(self, plan: Plan) -> str:
+        """Make sure that the plan goes on with what is there.
+
+        Returns
+        -------
+        str
+            A warning if results of another version of Fissura or of its libraries are there; else ``""``.
+
+        Raises
+        ------
+        InputError
+            There is no ensemble, or it is another one: the message names the first key that differs.
+        """
+        path = self.folder / "ensemble.json"
+        if not path.exists():
+            raise InputError("--resume", f"{self.folder} has no ensemble.json", "the folder of an ensemble")
+        old = read_summary(path)
+        before, used = old.get("plan", {}), old.get("versions", {})
+        new = json.loads(json.dumps(describe(plan)))
+        free = FREE if plan.sampling == "monte-carlo" else FREE - {"runs"}
+        change = next(_changes(before, new, free), None)
+        if change is not None:
+            key, was, now = change
+            raise InputError(
+                "--resume",
+                f"{key} was {was!r} and is now {now!r}",
+                f"what {self.folder} was begun with, or --overwrite",
+            )
+        for part in (*self.folder.glob(f"{RUNS}/.*.part"), *self.folder.glob(f"{COMPANIONS}/.*.part")):
+            shutil.rmtree(part, ignore_errors=True)
+        self._write_plan(plan)
+        now_used = versions()
+        other = [
+            f"{name} {used.get(name)}, now {now_used[name]}" for name in now_used if used.get(name) != now_used[name]
+        ]
+        return f"earlier realisations were computed with {', '.join(other)}" if other else ""
+
+    def _write_plan(self, plan: Plan) -> None:
+        resolved = plan.case.model_dump(mode="json", exclude={"source"})
+        text = json.dumps(resolved, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        write_atomically(self.folder / "case.json", text.encode())
+        write_summary(
+            self.folder / "ensemble.json",
+            {"format_version": FORMAT_VERSION, "plan": describe(plan), "versions": versions()},
+        )
+
+    def place(self, kind: str, number: int) -> Path:
+        """Folder of a realisation or companion."""
+        return self.folder / (RUNS if kind == "run" else COMPANIONS) / f"{number:04d}"
+
+    def summary(self, task: Task) -> dict[str, Any] | None:
+        """The summary of what is done; None if it is not, or is to be tried again."""
+        place = self.place(task.kind, task.number)
+        if not (place / "summary.json").exists():
+            return None
+        summary = read_summary(place)
+        return None if summary.get("realisation", {}).get("again") else summary
+
+    def summaries(self) -> list[dict[str, Any]]:
+        """Summaries of all that is there, in order of number, companions first."""
+        paths = [*self.folder.glob(f"{COMPANIONS}/[0-9]*"), *self.folder.glob(f"{RUNS}/[0-9]*")]
+        return [read_summary(path) for path in sorted(paths, key=lambda path: (path.parent.name, int(path.name)))]
+
+    def write(self, outcome: Outcome) -> dict[str, Any]:
+        """Write a realisation and return its summary; a folder of its number is replaced.
+
+        The folder is filled under another name and then moved into place. It is a result folder as `fissura.run` leaves
+        it, so that `Result.load` and `fissura compare` read it.
+
+        Raises
+        ------
+        OSError
+            The disk is full, or the like; nothing is left of this realisation then.
+        """
+        task = outcome.task
+        place = self.place(task.kind, task.number)
+        part = place.with_name(f".{place.name}.part")
+        shutil.rmtree(part, ignore_errors=True)
+        part.mkdir(parents=True)
+        try:
+            summary = self._fill(part, outcome)
+            if place.exists():
+                shutil.rmtree(place)
+            os.replace(part, place)
+        except OSError:
+            shutil.rmtree(part, ignore_errors=True)
+            raise
+        return summary
+
+    def _fill(self, part: Path, outcome: Outcome) -> dict[str, Any]:
+        task, curve = outcome.task, outcome.curve
+        for name, data in outcome.files.items():
+            (part / name).write_bytes(data)
+        writer = CurveWriter(part / "curve.csv")
+        if curve is not None:
+            for k in range(len(curve["step"])):
+                writer.write({name: curve[name][k] for name in COLUMNS})
+        writer.close()
+        case = task.case.model_dump(mode="json", exclude={"source"})
+        (part / "case.json").write_text(
+            json.dumps(case, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
+        )
+        if outcome.details:
+            (part / "error.txt").write_text(outcome.details, encoding="utf-8")
+        summary = {
+            "format_version": FORMAT_VERSION,
+            "case": task.case.name,
+            "full": task.full,
+            "seed": task.case.seed,
+            **outcome.summary,
+            "status": outcome.status,
+            "message": outcome.message,
+            "realisation": {
+                "kind": task.kind,
+                "number": task.number,
+                "field_seed": getattr(getattr(task.case, "field", None), "seed", None),
+                "again": outcome.again,
+                "load_at_end_N": None if curve is None or not len(curve["load_N"]) else float(curve["load_N"][-1]),
+                "crack_start": outcome.crack_start,
+            },
+        }
+        write_summary(part / "summary.json", summary)
+        return summary
+
+
+def _changes(old: Any, new: Any, free: set[str], key: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Keys whose values differ, with both values."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        for name in [*new, *(name for name in old if name not in new)]:
+            if name not in free:
+                yield from _changes(old.get(name), new.get(name), set(), f"{key}.{name}" if key else name)
+    elif old != new:
+        yield key.removeprefix("case."), old, new
