@@ -136,7 +136,7 @@ class Plan:
         ):
             if value not in get_args(names):
                 raise InputError(option, f"{value!r} is not known", ", ".join(get_args(names)))
-        if self.mode != "geometry" and field_of(self.case) is None:
+        if self.mode != "geometry" and self.case.field is None:
             raise InputError(
                 "--mode", f"{self.mode!r} needs a random field, and {self.case.name} has no [field]", "geometry"
             )
@@ -173,21 +173,17 @@ class Plan:
         """The realisation of a number, from 1 on."""
         nuclei, seed = self.seeds(number)
         changes: dict[str, Any] = {"seed": nuclei}
-        field = field_of(self.case)
         if seed is None:
-            changes |= {} if field is None else {"field": None}
+            changes["field"] = None
         else:
-            values = tuple(self.leading[number - 1].tolist()) if self.sampling == "latin-hypercube" else ()
-            assert field is not None
-            changes["field"] = field.model_copy(update={"seed": seed, "leading": values} if values else {"seed": seed})
+            assert self.case.field is not None
+            changes["field"] = self.case.field.model_copy(update={"seed": seed, **self._strata(number)})
         return self._task(number, "run", changes)
 
     def companion(self, number: int) -> Task:
         """The deterministic run with the nuclei of a realisation; with those of the case for number 0."""
-        changes: dict[str, Any] = {} if number == 0 else {"seed": self.seeds(number)[0]}
-        if field_of(self.case) is not None:
-            changes["field"] = None
-        return self._task(number, "companion", changes)
+        seed = self.case.seed if number == 0 else self.seeds(number)[0]
+        return self._task(number, "companion", {"seed": seed, "field": None})
 
     def tasks(self) -> Iterator[Task]:
         """All runs of the ensemble in order, each after its companion."""
@@ -198,14 +194,12 @@ class Plan:
                 yield self.companion(number)
             yield self.run(number)
 
+    def _strata(self, number: int) -> dict[str, Any]:
+        return {"leading": tuple(self.leading[number - 1].tolist())} if self.sampling == "latin-hypercube" else {}
+
     def _task(self, number: int, kind: Kind, changes: dict[str, Any]) -> Task:
         output = self.case.output.model_copy(update={"measured": None} if self.keep else {"measured": None, "vtk": 0})
         return Task(number, kind, self.case.model_copy(update={**changes, "output": output}), self.full, self.keep)
-
-
-def field_of(case: Case) -> Any:
-    """The random field of a case; None without one."""
-    return getattr(case, "field", None)
 
 
 def _seed(sequence: np.random.SeedSequence) -> int:

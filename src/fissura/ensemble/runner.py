@@ -11,7 +11,7 @@ from fissura.case import Case, load_case
 from fissura.check import require_memory
 from fissura.ensemble.cluster import connected, outcomes, require_dask, workers_that_fit
 from fissura.ensemble.outcome import Outcome
-from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling, Task, field_of
+from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling, Task
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
@@ -104,7 +104,7 @@ def run_ensemble(
     plan = Plan(
         case,
         runs,
-        ("geometry" if field_of(case) is None else "both") if mode is None else mode,
+        ("geometry" if case.field is None else "both") if mode is None else mode,
         sampling,
         case.seed if seed is None else seed,
         full,
@@ -128,7 +128,7 @@ def run_ensemble(
 
 def _leading_modes(case: Case, sampling: Sampling) -> int:
     """Number of modes to stratify by default."""
-    if sampling != "latin-hypercube" or field_of(case) is None:
+    if sampling != "latin-hypercube" or case.field is None:
         return LEADING_MODES
     from fissura.material import field_from_case
 

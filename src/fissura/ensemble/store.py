@@ -200,7 +200,7 @@ class Store:
             "realisation": {
                 "kind": task.kind,
                 "number": task.number,
-                "field_seed": getattr(getattr(task.case, "field", None), "seed", None),
+                "field_seed": None if task.case.field is None else task.case.field.seed,
                 "again": outcome.again,
                 "load_at_end_N": None if curve is None or not len(curve["load_N"]) else float(curve["load_N"][-1]),
                 "crack_start": outcome.crack_start,
