@@ -24,6 +24,9 @@ _log = logging.getLogger(__name__)
 
 INSTALL = "pip install fissura[ensemble]"
 
+#: How often a run is computed at most if its result is lost each time.
+_ATTEMPTS = 5
+
 #: Libraries that start threads of their own, by the variable that limits them.
 THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -75,7 +78,11 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
     from distributed import Client, LocalCluster
 
     limits = {name: str(threads) for name in THREADS}
-    settings = {"distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": "65536", **limits}}
+    settings = {
+        "distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": "65536", **limits},
+        # A worker has no run waiting beside the one it computes, which would be blamed, too, when it dies.
+        "distributed.scheduler.worker-saturation": 1.0,
+    }
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(settings))
         for name in ("distributed", "distributed.nanny", "distributed.worker", "distributed.scheduler"):
@@ -87,7 +94,7 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
                     threads_per_worker=1,
                     processes=True,
                     memory_limit=None,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",
                     host="127.0.0.1",
                     preload="fissura.ensemble.preload",
                 )
@@ -116,21 +123,31 @@ def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
     """
     from distributed import KilledWorker, as_completed
 
-    waiting = {}
-    for task in tasks:
-        # The name makes Dask compute it afresh: an equal task of an earlier ensemble must not stand for it.
+    arriving = as_completed(loop=client.loop)
+    waiting: dict[str, tuple[Task, int]] = {}
+
+    def submit(task: Task, attempt: int) -> None:
+        # Not pure: an equal task of an earlier ensemble must not stand for this one.
         future = client.submit(compute, task, pure=False)
-        waiting[future.key] = (future, task)
-    for future in as_completed([future for future, _ in waiting.values()], loop=client.loop):
-        _, task = waiting.pop(future.key)
-        if future.status == "finished":
+        waiting[future.key] = task, attempt
+        arriving.add(future)
+
+    for task in tasks:
+        submit(task, 1)
+    for future in arriving:
+        task, attempt = waiting.pop(future.key)
+        if future.status not in ("finished", "error"):
+            raise EnsembleStopped("the scheduler or its connection has gone")
+        done = future.status == "finished"
+        try:
             outcome = future.result()
-        elif future.status == "error":
-            error = future.exception()
+        except Exception as error:
+            if done and attempt < _ATTEMPTS:
+                # It was computed, but its worker died before it had handed over the result.
+                submit(task, attempt + 1)
+                continue
             if isinstance(error, KilledWorker):
                 error = MemoryError("the processes that computed it died, perhaps for lack of memory")
             outcome = Outcome.failed(task, error)
-        else:
-            raise EnsembleStopped("the scheduler or its connection has gone")
         future.release()  # workers need not keep it any longer
         yield outcome

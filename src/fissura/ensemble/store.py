@@ -45,9 +45,9 @@ def describe(plan: Plan) -> dict[str, Any]:
     case = plan.case.model_dump(mode="json", exclude={"source": True, "name": True, "output": True})
     return {
         "format_version": FORMAT_VERSION,
-        "runs": plan.runs,
         "mode": plan.mode,
         "sampling": plan.sampling,
+        "runs": plan.runs,
         "seed": plan.master,
         "full": plan.full,
         "companions": plan.companions,
