@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,9 @@ INSTALL = "pip install fissura[ensemble]"
 
 #: How often a run is computed at most if its result is lost each time.
 _ATTEMPTS = 5
+
+#: Seconds between looks for results, and between checks that all local workers are there.
+_POLL, _HEAL = 0.02, 2.0
 
 #: Libraries that start threads of their own, by the variable that limits them.
 THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -82,6 +86,8 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
         "distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": "65536", **limits},
         # A worker has no run waiting beside the one it computes, which would be blamed, too, when it dies.
         "distributed.scheduler.worker-saturation": 1.0,
+        # A busy machine takes long to start the process anew.
+        "distributed.deploy.lost-worker-timeout": "30s",
     }
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(settings))
@@ -124,7 +130,7 @@ def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
     from distributed import KilledWorker, as_completed
 
     arriving = as_completed(loop=client.loop)
-    waiting: dict[str, tuple[Task, int]] = {}
+    waiting: dict[Any, tuple[Task, int]] = {}
 
     def submit(task: Task, attempt: int) -> None:
         # Not pure: an equal task of an earlier ensemble must not stand for this one.
@@ -134,7 +140,15 @@ def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
 
     for task in tasks:
         submit(task, 1)
-    for future in arriving:
+    checked = time.monotonic()
+    while waiting:
+        if not arriving.has_ready():
+            time.sleep(_POLL)
+            if time.monotonic() - checked > _HEAL:
+                _heal(client)
+                checked = time.monotonic()
+            continue
+        future = next(arriving)
         task, attempt = waiting.pop(future.key)
         if future.status not in ("finished", "error"):
             raise EnsembleStopped("the scheduler or its connection has gone")
@@ -151,3 +165,11 @@ def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
             outcome = Outcome.failed(task, error)
         future.release()  # workers need not keep it any longer
         yield outcome
+
+
+def _heal(client: Client) -> None:
+    """Start local workers anew whose processes could not be restarted: a cluster gives them up otherwise."""
+    from distributed import LocalCluster
+
+    if isinstance(client.cluster, LocalCluster):
+        client.cluster.scale(len(client.cluster.worker_spec))
