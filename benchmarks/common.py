@@ -64,9 +64,17 @@ class Report:
 
 
 def options(
-    description: str | None, cases: Sequence[str], seeds: Sequence[int], *, before: bool = False
+    description: str | None,
+    cases: Sequence[str],
+    seeds: Sequence[int],
+    *,
+    before: bool = False,
+    more: Callable[[argparse.ArgumentParser], None] | None = None,
 ) -> argparse.Namespace:
-    """Parse the options that all scripts have, and where to find an earlier version when that is asked for."""
+    """Parse the options that all scripts have, and where to find an earlier version when that is asked for.
+
+    ``more`` adds options of one script; the command that the page names repeats those with values that were changed.
+    """
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument(
         "--cases", nargs="+", default=list(cases), metavar="NAME", help="what to run, by default all: %(default)s"
@@ -77,15 +85,20 @@ def options(
     parser.add_argument("--check", action="store_true", help="exit with status 1 when a target is missed")
     if before:
         parser.add_argument("--before", type=Path, metavar="DIR", help="checkout of an earlier version")
+    known = {action.dest for action in parser._actions}
+    if more is not None:
+        more(parser)
     found = parser.parse_args()
-    words = [word for name in ("cases", "seeds") for word in _changed(parser, found, name)]
+    own = [action.dest for action in parser._actions if action.dest not in known]
+    words = [word for name in ("cases", "seeds", *own) for word in _changed(parser, found, name)]
     found.command = shlex.join(["python", f"benchmarks/{Path(sys.argv[0]).name}", *words])
     return found
 
 
 def _changed(parser: argparse.ArgumentParser, found: argparse.Namespace, name: str) -> list[str]:
     value = getattr(found, name)
-    return [] if value == parser.get_default(name) else [f"--{name}", *map(str, value)]
+    values = value if isinstance(value, list) else [value]
+    return [] if value == parser.get_default(name) else [f"--{name.replace('_', '-')}", *map(str, values)]
 
 
 def say(text: str) -> None:
