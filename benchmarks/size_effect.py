@@ -1,7 +1,7 @@
-"""Strength of geometrically similar beams of random material: how mean and scatter go with depth and correlation length.
+"""Strength of similar beams of random material: how mean and scatter go with depth and correlation length.
 
-Every specimen is computed twice, without the random field (deterministic) and with it. The ensembles stay in a folder, and
-whatever is there already is not computed again: an interrupted study goes on where it was.
+Every specimen is computed twice, without the random field (deterministic) and with it. The ensembles stay in a folder,
+and whatever is there already is not computed again: an interrupted study goes on where it was.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ FloatArray = NDArray[np.float64]
 COLOURS = [ORANGE, BLUE, "#4c8c4a", "#8a4f9e"]
 
 TEXT = """\
-Three-point bending of beams in the proportions of `{case}`, all of them {thickness:g} mm thick, with the same bodies of
-{spacing:g} mm: {runs} specimens of each depth, adaptive. Each was broken twice, with the strength the same everywhere
+Three-point bending of beams in the proportions of `{case}`, all of them {thickness:g} mm thick and with bodies of
+{spacing:g} mm: {runs} specimens of each depth, adaptive. Each was broken with the same strength everywhere
 (deterministic: what scatters is the placing of the bodies) and with the random field (probabilistic), its correlation
-length l as given, its coefficient of variation {cov:g} %. Strength is the nominal one, 1.5 F s/(t d²) with load F, span s,
-thickness t, depth d. Intervals are 95 % ones.
+length l as given, its coefficient of variation {cov:g} %. Strength is the nominal one, 1.5 F s/(t d²) with load F,
+span s, thickness t, depth d. Intervals are 95 % ones.
 """
 
 
 def more(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--depths", nargs="+", type=float, default=[50, 100, 200], metavar="MM", help="%(default)s")
-    parser.add_argument("--lengths", nargs="+", type=float, default=[30, 120], metavar="MM", help="%(default)s")
+    parser.add_argument("--lengths", nargs="+", type=float, default=[20, 80], metavar="MM", help="%(default)s")
     parser.add_argument("--runs", type=int, default=30, metavar="N", help="specimens of each depth: %(default)s")
     parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes: %(default)s")
     parser.add_argument("--folder", type=Path, default=ROOT / "results" / "size_effect", metavar="DIR")
@@ -97,7 +97,7 @@ def produce(found: argparse.Namespace) -> Report:
                 rows.append(row(name, depth, length, case, result))
     for name in found.cases:
         figure(found, name, [r for r in rows if r["case"] == name])
-    return Report("size_effect", rows, markdown(found, rows), checks(rows), "docs/size-effect.md")
+    return Report("size_effect", rows, markdown(found, rows), checks(rows))
 
 
 def ensemble(found: argparse.Namespace, case: Case, folder: Path, seed: int, companions: Any) -> EnsembleResult:
