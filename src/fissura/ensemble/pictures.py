@@ -237,13 +237,13 @@ def plot_crack_starts(result: EnsembleResult) -> Figure | None:
     figure = Figure(figsize=(WIDE, height + 2.6), layout="constrained")
     upper, axes = figure.subplots(2, 1, sharex=True, height_ratios=(1.2, height))
     x, y = 1e3 * runs["crack_start_x_m"][known], 1e3 * runs["crack_start_y_m"][known]
-    upper.hist(x, bins=np.linspace(0.0, size[0], 41), color=LIGHT, edgecolor="white", linewidth=0.6)
+    upper.hist(x, bins=np.linspace(0.0, size[0], 42), color=LIGHT, edgecolor="white", linewidth=0.6)
     upper.set_ylabel("runs")
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) * size[:2]
     axes.plot(*corners.T, color=INK, linewidth=1.2)
     for notch in case.notch:
         _notch(axes, notch.normal, notch.face, 1e3 * notch.position, 1e3 * notch.depth, 1e3 * notch.width, size)
-    axes.plot(x, y, "o", color=ORANGE, markersize=4.5, alpha=0.6, markeredgewidth=0, label="runs")
+    axes.plot(x, y, "o", color=ORANGE, markersize=4.5, alpha=0.6, markeredgewidth=0, label="runs", zorder=3)
     other = result.companions
     axes.plot(
         1e3 * other["crack_start_x_m"],
@@ -355,8 +355,8 @@ def _plain_number(value: float, position: float) -> str:
 
 
 def _nice(low: float, high: float) -> list[float]:
-    """Some four round numbers between two."""
-    raw = (high - low) / 4.0
+    """Some six round numbers between two."""
+    raw = (high - low) / 6.0
     step = 10.0 ** np.floor(np.log10(raw))
     step *= next(k for k in (1, 2, 5, 10) if k * step >= raw * 0.999)
     return [float(v) for v in np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step if v > 0]

@@ -108,7 +108,9 @@ def _statistics(result: EnsembleResult) -> dict[str, Any]:
 def _table(result: EnsembleResult) -> dict[str, Any]:
     heads = ["run", "status", "seed", "seed of field", *QUANTITIES.values(), "crack start x, y, z [mm]"]
     rows = []
-    for k, number in enumerate(result.rows["number"].tolist()):
+    numbers = result.rows["number"]
+    for k in np.lexsort((numbers, result.rows["kind"] == "companion")).tolist():
+        number = int(numbers[k])
         row = {name: column[k] for name, column in result.rows.items()}
         start = [1e3 * float(row[f"crack_start_{axis}_m"]) for axis in "xyz"]
         rows.append(
