@@ -91,8 +91,7 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
     }
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(settings))
-        for name in ("distributed", "distributed.nanny", "distributed.worker", "distributed.scheduler"):
-            logging.getLogger(name).setLevel(logging.CRITICAL)
+        stack.enter_context(_silent())
         if scheduler is None:
             cluster: Any = stack.enter_context(
                 LocalCluster(
@@ -114,6 +113,21 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
                 "--scheduler", f"{scheduler} cannot be reached ({error})", "the address that `dask scheduler` prints"
             ) from error
         yield client
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep Dask's log from the user: what matters of it becomes an outcome or an error here."""
+    names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
+    loggers = [logging.getLogger(name) for name in names]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
@@ -150,9 +164,15 @@ def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
             continue
         future = next(arriving)
         task, attempt = waiting.pop(future.key)
-        if future.status not in ("finished", "error"):
+        status = future.status
+        if status == "cancelled":
             raise EnsembleStopped("the scheduler or its connection has gone")
-        done = future.status == "finished"
+        if status not in ("finished", "error"):
+            # Its worker died with the result since; the scheduler has it computed again.
+            waiting[future.key] = task, attempt
+            arriving.add(future)
+            continue
+        done = status == "finished"
         try:
             outcome = future.result()
         except Exception as error:
