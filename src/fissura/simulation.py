@@ -24,7 +24,7 @@ from fissura.adaptivity import (
     transfer_history,
 )
 from fissura.contact import law_from_case
-from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, settle
+from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, Team, settle
 from fissura.errors import InputError, RunStopped
 from fissura.material import check_not_everywhere, elastic_from_case, field_from_case, material_from_case
 from fissura.specimen import conditions_from_case, specimen_from_case
@@ -116,6 +116,7 @@ class Simulation:
         self._conditions = conditions_from_case(case, self._box)
         self._elastic = elastic_from_case(case)
         self.field = field_from_case(case)
+        self._team = Team(case.solver.threads)
         self._nuclei = nuclei_from_case(case, self._box)
         check_not_everywhere(self._elastic, self._nuclei.x)
         self._region = region_from_case(case, self._box, full=full)
@@ -143,6 +144,7 @@ class Simulation:
             self.case.solver.linear,
             self._elastic,
             self.field,
+            self._team,
         )
 
     def _calibrated(self, system: System) -> System:

@@ -257,6 +257,7 @@ class Solver(Part):
     """How linear equations are solved."""
 
     linear: Literal["auto", "direct", "two-level", "amg"] = "auto"
+    threads: Count = 0
 
 
 class Output(Part):

@@ -10,6 +10,7 @@ from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
 from fissura.equilibrium.path import Goal, PathFollower
 from fissura.equilibrium.steps import StepLength
 from fissura.equilibrium.system import Response, System
+from fissura.equilibrium.team import Team
 
 __all__ = [
     "SOLVERS",
@@ -23,6 +24,7 @@ __all__ = [
     "StepLength",
     "StepSolver",
     "System",
+    "Team",
     "attach",
     "best_solver",
     "dissipating",

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fissura.equilibrium.blocks import AHEAD, FAST, LowerBlocks
 from fissura.equilibrium.simd import prefetch, times, transposed_times
+from fissura.equilibrium.team import ALONE, Team
 
 __all__ = ["IncompleteCholesky"]
 
@@ -65,19 +66,18 @@ def _cholesky(block, original, smallest, low, out):  # type: ignore[no-untyped-d
     return True
 
 
-@njit(cache=True, fastmath=FAST)
-def _factor(indptr, indices, matrix, added, share, last_try, smallest, out):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _factor(begin_row, end_row, indptr, indices, matrix, added, share, last_try, smallest, out):  # type: ignore[no-untyped-def]
     """Row by row; diagonal blocks are replaced by inverses of their Cholesky factors.
 
     All diagonal blocks get a share of those in `added`. Returns the number of pivots that fail; in the last try these
     get more and more of their original diagonal block until they pass, or -1 is returned.
     """
-    n = len(indptr) - 1
-    where = np.full(n, -1)
+    where = np.full(len(indptr) - 1, -1)
     own, inverse, low = np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
     block = np.empty((6, 6))
     failed = 0
-    for i in range(n):
+    for i in range(begin_row, end_row):
         begin, last = indptr[i], indptr[i + 1] - 1
         for k in range(begin, last):
             where[indices[k]] = k
@@ -123,12 +123,12 @@ def _factor(indptr, indices, matrix, added, share, last_try, smallest, out):  # 
     return failed
 
 
-@njit(cache=True, fastmath=FAST)
-def _solve(indptr, indices, factor, x):  # type: ignore[no-untyped-def]
-    n = len(indptr) - 1
-    for i in range(n):
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _forward(begin, end, indptr, indices, factor, right, x):  # type: ignore[no-untyped-def]
+    """``x = L^-1 right`` in some rows."""
+    for i in range(begin, end):
         last = indptr[i + 1] - 1
-        s0, s1, s2, s3, s4, s5 = x[i, 0], x[i, 1], x[i, 2], x[i, 3], x[i, 4], x[i, 5]
+        s0, s1, s2, s3, s4, s5 = right[i, 0], right[i, 1], right[i, 2], right[i, 3], right[i, 4], right[i, 5]
         prefetch(factor, last + AHEAD)
         for k in range(indptr[i], last):
             prefetch(factor, k + AHEAD)
@@ -137,7 +137,12 @@ def _solve(indptr, indices, factor, x):  # type: ignore[no-untyped-def]
             s0, s1, s2, s3, s4, s5 = s0 - t[0], s1 - t[1], s2 - t[2], s3 - t[3], s4 - t[4], s5 - t[5]
         own = times(factor, last, (s0, s1, s2, s3, s4, s5))
         x[i, 0], x[i, 1], x[i, 2], x[i, 3], x[i, 4], x[i, 5] = own
-    for i in range(n - 1, -1, -1):
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _backward(begin, end, indptr, indices, factor, x):  # type: ignore[no-untyped-def]
+    """``x = L^-T x`` in some columns, from the last one on."""
+    for i in range(end - 1, begin - 1, -1):
         last = indptr[i + 1] - 1
         prefetch(factor, last - AHEAD)
         own = transposed_times(factor, last, (x[i, 0], x[i, 1], x[i, 2], x[i, 3], x[i, 4], x[i, 5]))
@@ -160,10 +165,12 @@ class IncompleteCholesky:
     ----------
     form : LowerBlocks
         Lower triangle; the order of bodies decides how good the factor is.
+    team : Team
+        Threads that share the work on domains.
     """
 
-    def __init__(self, form: LowerBlocks) -> None:
-        self.form = form
+    def __init__(self, form: LowerBlocks, team: Team = ALONE) -> None:
+        self.form, self._team = form, team
         #: Share of the diagonal that was added in the latest factorization, because without it some pivots were not
         #: positive definite.
         self.share = 0.0
@@ -196,9 +203,11 @@ class IncompleteCholesky:
                 if left_out is not None:
                     added[left_out[0]] -= left_out[1]
             last_try = self.share == _SHARES[-1]
-            self.shifted = _factor(
-                form.indptr, form.indices, blocks, added, self.share, last_try, _SMALLEST_PIVOT, self._factor
-            )
+            rest = (form.indptr, form.indices, blocks, added, self.share, last_try, _SMALLEST_PIVOT, self._factor)
+            failed = self._team.run(_factor, form.bounds, *rest)
+            if last_try or not any(failed):
+                failed += ALONE.run(_factor, form.tail, *rest)
+            self.shifted = -1 if min(failed) < 0 else sum(failed)
             if self.shifted == 0:
                 return
         if self.shifted < 0:
@@ -207,6 +216,10 @@ class IncompleteCholesky:
     def solve(self, right: FloatArray) -> FloatArray:
         """``(L L^T)^-1`` times a vector; (n, 6) -> (n, 6)."""
         assert self._factor is not None
-        out = right.copy()
-        _solve(self.form.indptr, self.form.indices, self._factor, out)
+        form, out = self.form, np.empty_like(right)
+        rest = (form.indptr, form.indices, self._factor)
+        self._team.run(_forward, form.bounds, *rest, right, out)
+        ALONE.run(_forward, form.tail, *rest, right, out)
+        ALONE.run(_backward, form.tail, *rest, out)
+        self._team.run(_backward, form.bounds, *rest, out)
         return out

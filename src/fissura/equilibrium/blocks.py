@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.simd import prefetch
+from fissura.equilibrium.team import ALONE, Team
 
 __all__ = [
     "FAST",
@@ -48,6 +49,8 @@ class LowerBlocks:
         First entry of each block among the entries of the pattern.
     stride : (n,) array
         Distance of the rows of a body's blocks there.
+    bounds : (domains + 1,) array
+        Where domains that do not touch each other begin, and where the last one ends; the tail follows.
     """
 
     order: IntArray
@@ -55,6 +58,17 @@ class LowerBlocks:
     indices: NDArray[np.int32]
     start: IntArray
     stride: IntArray
+    bounds: IntArray
+
+    @property
+    def tail(self) -> IntArray:
+        """Begin and end of the bodies that come after all domains, shape (2,)."""
+        return np.array([self.bounds[-1], len(self.order)])
+
+    @property
+    def pieces(self) -> IntArray:
+        """Bounds of domains and tail, shape (domains + 2,), or (2,) where there is one domain and no tail."""
+        return self.bounds if self.bounds[-1] == len(self.order) else np.append(self.bounds, len(self.order))
 
     @property
     def rows(self) -> IntArray:
@@ -66,10 +80,10 @@ class LowerBlocks:
         stride = self.stride[np.searchsorted(self.indptr, blocks, side="right") - 1]
         return self.start[blocks, None, None] + np.arange(size)[:, None] * stride[:, None, None] + np.arange(size)
 
-    def gather(self, data: FloatArray, out: FloatArray | None = None) -> FloatArray:
+    def gather(self, data: FloatArray, out: FloatArray | None = None, team: Team = ALONE) -> FloatArray:
         """Blocks of the matrix with these entries, in `out` if given; (z,) -> (k, 6, 6)."""
         out = np.empty((len(self.indices), 6, 6)) if out is None else out
-        _gather(self.indptr, self.start, self.stride, data, out)
+        team.run(_gather, self.pieces, self.indptr, self.start, self.stride, data, out)
         return out
 
 
@@ -144,20 +158,21 @@ def _lower(order, place, first, stride, neighbours, indptr, indices, start):  # 
     indptr[-1] = k
 
 
-def lower_blocks(form: Pattern, order: IntArray) -> LowerBlocks:
-    """Lower triangle of a pattern for bodies in the given order, shape (n,)."""
+def lower_blocks(form: Pattern, order: IntArray, bounds: IntArray | None = None) -> LowerBlocks:
+    """Lower triangle of a pattern for bodies in the given order, shape (n,), which may fall into domains."""
     n = len(order)
     place = np.empty(n, dtype=np.int64)
     place[order] = np.arange(n)
     count = (len(form.neighbours) + n) // 2  # the pattern is symmetric
     indptr, indices, start = np.empty(n + 1, dtype=np.int64), np.empty(count, dtype=np.int32), np.empty(count, np.int64)
     _lower(order, place, form.start, form.stride, form.neighbours, indptr, indices, start)
-    return LowerBlocks(order, indptr, indices, start, form.stride[order])
+    bounds = np.array([0, n]) if bounds is None else bounds
+    return LowerBlocks(order, indptr, indices, start, form.stride[order], bounds)
 
 
-@njit(cache=True)
-def _gather(indptr, start, stride, data, out):  # type: ignore[no-untyped-def]
-    for i in range(len(stride)):
+@njit(cache=True, nogil=True)
+def _gather(begin, end, indptr, start, stride, data, out):  # type: ignore[no-untyped-def]
+    for i in range(begin, end):
         step = stride[i]
         for k in range(indptr[i], indptr[i + 1]):
             for a in range(6):
@@ -172,9 +187,9 @@ def column(blocks, k, d, x):  # type: ignore[no-untyped-def]
     return upper + blocks[k, 3, d] * x[3] + blocks[k, 4, d] * x[4] + blocks[k, 5, d] * x[5]
 
 
-@njit(cache=True, fastmath=FAST)
-def _multiply(indptr, indices, blocks, x, out):  # type: ignore[no-untyped-def]
-    for i in range(len(indptr) - 1):
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _multiply(begin, end, indptr, indices, blocks, x, out):  # type: ignore[no-untyped-def]
+    for i in range(begin, end):
         own = (x[i, 0], x[i, 1], x[i, 2], x[i, 3], x[i, 4], x[i, 5])
         s0 = s1 = s2 = s3 = s4 = s5 = 0.0
         for k in range(indptr[i], indptr[i + 1]):
@@ -206,10 +221,11 @@ def _sizes(indptr, indices, blocks, x, out):  # type: ignore[no-untyped-def]
                         out[j, d] += size * abs(x[i, a])
 
 
-def multiply(form: LowerBlocks, blocks: FloatArray, x: FloatArray) -> FloatArray:
+def multiply(form: LowerBlocks, blocks: FloatArray, x: FloatArray, team: Team = ALONE) -> FloatArray:
     """Product of the symmetric matrix whose lower blocks these are with a vector; (n, 6) -> (n, 6)."""
     out = np.empty_like(x)
-    _multiply(form.indptr, form.indices, blocks, x, out)
+    team.run(_multiply, form.bounds, form.indptr, form.indices, blocks, x, out)
+    ALONE.run(_multiply, form.tail, form.indptr, form.indices, blocks, x, out)
     return out
 
 

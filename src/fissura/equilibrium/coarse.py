@@ -7,9 +7,10 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from fissura.equilibrium.blocks import AHEAD, LowerBlocks
+from fissura.equilibrium.blocks import LowerBlocks
 from fissura.equilibrium.low_rank import LowRank
-from fissura.equilibrium.simd import prefetch, transposed_times
+from fissura.equilibrium.motions import prolong, restrict, restrict_product
+from fissura.equilibrium.team import ALONE, Team
 
 __all__ = ["CoarseSpace"]
 
@@ -81,9 +82,9 @@ def _find(first, cluster, body, wanted):  # type: ignore[no-untyped-def]
     return k
 
 
-@njit(cache=True)
-def _condense(indptr, indices, blocks, label, arm, unit, first, cluster, out):  # type: ignore[no-untyped-def]
-    for i in range(len(indptr) - 1):
+@njit(cache=True, nogil=True)
+def _condense(begin, end, indptr, indices, blocks, label, arm, unit, first, cluster, out):  # type: ignore[no-untyped-def]
+    for i in range(begin, end):
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             _expand(blocks[k], arm[j], unit, out[_find(first, cluster, i, label[j])])
@@ -164,40 +165,11 @@ def _upper_entries(block_indptr, columns, blocks, indptr, indices, data):  # typ
     indptr[-1] = entry
 
 
-@njit(cache=True)
-def _restrict(label, arm, unit, r, out):  # type: ignore[no-untyped-def]
-    for i in range(len(label)):
-        c, a, f = label[i], arm[i], r[i]
-        out[c, 0] += f[0]
-        out[c, 1] += f[1]
-        out[c, 2] += f[2]
-        out[c, 3] += (f[3] + a[1] * f[2] - a[2] * f[1]) * unit
-        out[c, 4] += (f[4] + a[2] * f[0] - a[0] * f[2]) * unit
-        out[c, 5] += (f[5] + a[0] * f[1] - a[1] * f[0]) * unit
-
-
-@njit(cache=True)
-def _prolong(label, arm, unit, coarse, out):  # type: ignore[no-untyped-def]
-    for i in range(len(label)):
-        u, r = coarse[label[i]], arm[i]
-        t0, t1, t2 = u[3] * unit, u[4] * unit, u[5] * unit
-        out[i, 0] += u[0] + t1 * r[2] - t2 * r[1]
-        out[i, 1] += u[1] + t2 * r[0] - t0 * r[2]
-        out[i, 2] += u[2] + t0 * r[1] - t1 * r[0]
-        out[i, 3] += t0
-        out[i, 4] += t1
-        out[i, 5] += t2
-
-
-@njit(cache=True, fastmath={"reassoc", "contract"})
-def _restrict_product(first, cluster, product, z, out):  # type: ignore[no-untyped-def]
-    for i in range(len(z)):
-        own = (z[i, 0], z[i, 1], z[i, 2], z[i, 3], z[i, 4], z[i, 5])
-        for k in range(first[i], first[i + 1]):
-            prefetch(product, k + AHEAD)
-            t = transposed_times(product, k, own)
-            for d in range(6):
-                out[cluster[k], d] += t[d]
+def _sum(parts: list[FloatArray]) -> FloatArray:
+    """Sum of parts in their order, in the first one."""
+    for part in parts[1:]:
+        parts[0] += part
+    return parts[0]
 
 
 class CoarseSpace:
@@ -217,11 +189,20 @@ class CoarseSpace:
         Cluster of each body, 0, 1, ... without gaps.
     wide : LowRank
         Part of K that has no blocks, in the order of `form`.
+    team : Team
+        Threads that share the work on domains.
     """
 
     def __init__(
-        self, form: LowerBlocks, blocks: FloatArray, x: FloatArray, label: IntArray, wide: LowRank | None = None
+        self,
+        form: LowerBlocks,
+        blocks: FloatArray,
+        x: FloatArray,
+        label: IntArray,
+        wide: LowRank | None = None,
+        team: Team = ALONE,
     ) -> None:
+        self._team, self._pieces = team, form.pieces
         count = np.bincount(label)
         centre = np.stack([np.bincount(label, x[:, a]) for a in range(3)], axis=1) / count[:, None]
         self.clusters = len(count)
@@ -231,9 +212,9 @@ class CoarseSpace:
         self.unit = 1.0 / (float(np.sqrt((self.arm**2).sum(axis=1).mean())) or 1.0)
         self._first, self._cluster = _touched(form.indptr, form.indices, label)
         self._product: FloatArray = np.zeros((len(self._cluster), 6, 6))  # K P, without its wide part
-        _condense(
-            form.indptr, form.indices, blocks, label, self.arm, self.unit, self._first, self._cluster, self._product
-        )
+        rest = (blocks, label, self.arm, self.unit, self._first, self._cluster, self._product)
+        team.run(_condense, form.bounds, form.indptr, form.indices, *rest)
+        ALONE.run(_condense, form.tail, form.indptr, form.indices, *rest)
         self._wide = LowRank.none() if wide is None else wide
         self._wide_clusters: IntArray = np.unique(label[self._wide.bodies])
         self._wide_rows: FloatArray = self._restricted_rows()
@@ -244,7 +225,7 @@ class CoarseSpace:
         label = np.searchsorted(self._wide_clusters, self.label[bodies])
         out = np.zeros((len(self._wide), len(self._wide_clusters), 6))
         for row, part in zip(self._wide.rows, out, strict=True):
-            _restrict(label, self.arm[bodies], self.unit, row, part)
+            part[:] = restrict(0, len(label), len(part), label, self.arm[bodies], self.unit, row)
         return out
 
     def upper(self) -> csr_array:
@@ -279,14 +260,12 @@ class CoarseSpace:
 
     def restrict(self, r: FloatArray) -> FloatArray:
         """``P^T r``; (n, 6) -> (clusters, 6)."""
-        out = np.zeros((self.clusters, 6))
-        _restrict(self.label, self.arm, self.unit, r, out)
-        return out
+        return _sum(self._team.run(restrict, self._pieces, self.clusters, self.label, self.arm, self.unit, r))
 
     def restrict_product(self, z: FloatArray) -> FloatArray:
         """``P^T K z``; (n, 6) -> (clusters, 6)."""
-        out = np.zeros((self.clusters, 6))
-        _restrict_product(self._first, self._cluster, self._product, z, out)
+        rest = (self.clusters, self._first, self._cluster, self._product, z)
+        out = _sum(self._team.run(restrict_product, self._pieces, *rest))
         if len(self._wide):
             forces = self._wide.stiffness * self._wide.values(z)
             out[self._wide_clusters] += np.einsum("r,rtd->td", forces, self._wide_rows)
@@ -294,4 +273,4 @@ class CoarseSpace:
 
     def add_motion(self, coarse: FloatArray, u: FloatArray) -> None:
         """Add ``P coarse`` to u; shapes (clusters, 6) and (n, 6)."""
-        _prolong(self.label, self.arm, self.unit, coarse, u)
+        self._team.run(prolong, self._pieces, self.label, self.arm, self.unit, coarse, u)

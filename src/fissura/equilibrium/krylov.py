@@ -12,6 +12,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from fissura.equilibrium.team import ALONE, Team
+
 __all__ = ["Minimized", "dot", "gmres", "norm"]
 
 FloatArray = NDArray[np.float64]
@@ -19,37 +21,60 @@ FloatArray = NDArray[np.float64]
 #: Share of a vector that is round-off after others have been taken out of it.
 _ROUND_OFF = 1e-13
 
+#: Vectors from this size on are cut into so many pieces: four domains of 30 000 bodies (:mod:`.domains`).
+_LONG, _CUT = 180_000, 4
+
 #: Sums may be taken in any order, always the same one in one build.
 _FAST = {"reassoc", "contract"}
 
 
-@njit(cache=True, fastmath=_FAST)
-def _dot(a, b):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True, fastmath=_FAST)
+def _dot(begin, end, a, b):  # type: ignore[no-untyped-def]
     s = 0.0
-    for k in range(len(a)):
+    for k in range(begin, end):
         s += a[k] * b[k]
     return s
 
 
-@njit(cache=True, fastmath=_FAST)
-def _take_out(own, image):  # type: ignore[no-untyped-def]
-    """Remove the part of `image` along the unit vector `own`, and return its size."""
-    share = 0.0
-    for k in range(len(image)):
-        share += own[k] * image[k]
-    for k in range(len(image)):
+@njit(cache=True, nogil=True, fastmath=_FAST)
+def _take_out(begin, end, share, own, following, image):  # type: ignore[no-untyped-def]
+    """Take a share of the vector `own` out of `image`, and return the product of what is left with another vector."""
+    s = 0.0
+    for k in range(begin, end):
         image[k] -= share * own[k]
-    return share
+        s += following[k] * image[k]
+    return s
+
+
+def _pieces(size: int) -> tuple[int, ...]:
+    """Bounds of the pieces into which threads cut a vector; they depend on its size alone."""
+    return (0, size) if size < _LONG else tuple(size * k // _CUT for k in range(_CUT + 1))
+
+
+def _orthogonalized(basis: list[FloatArray], image: FloatArray, team: Team) -> list[float]:
+    """Make `image` orthogonal to unit vectors one after the other (modified Gram-Schmidt).
+
+    Returns
+    -------
+    list
+        Its components along them, and the norm of what is left.
+    """
+    pieces = _pieces(len(image))
+    out = [float(sum(team.run(_dot, pieces, basis[0], image)))]
+    for own, following in zip(basis, [*basis[1:], image], strict=True):
+        out.append(float(sum(team.run(_take_out, pieces, out[-1], own, following, image))))
+    out[-1] = float(np.sqrt(out[-1]))
+    return out
 
 
 def dot(a: FloatArray, b: FloatArray) -> float:
     """Scalar product of two vectors."""
-    return float(_dot(a, b))
+    return float(_dot(0, len(a), a, b))
 
 
 def norm(a: FloatArray) -> float:
     """Euclidean norm of a vector."""
-    return float(np.sqrt(_dot(a, a)))
+    return float(np.sqrt(_dot(0, len(a), a, a)))
 
 
 @dataclass(frozen=True)
@@ -76,6 +101,7 @@ def gmres(
     right: FloatArray,
     tolerance: float,
     most: int,
+    team: Team = ALONE,
 ) -> Minimized:
     """Minimize the residual of ``A M z = b`` over growing Krylov spaces, without restart, starting from zero.
 
@@ -89,6 +115,8 @@ def gmres(
         Reduction of the residual at which to stop.
     most : int
         Largest number of iterations.
+    team : Team
+        Threads that share the work on long vectors.
 
     Returns
     -------
@@ -107,8 +135,7 @@ def gmres(
         k = len(moves)
         move, image = operator(basis[-1])
         before = norm(image)
-        column = [float(_take_out(own, image)) for own in basis]  # modified Gram-Schmidt
-        left = norm(image)
+        *column, left = _orthogonalized(basis, image, team)
         left = left if left > _ROUND_OFF * before else 0.0  # nothing new
         for j, (c, s) in enumerate(rotations):
             column[j], column[j + 1] = c * column[j] + s * column[j + 1], c * column[j + 1] - s * column[j]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.direct import best_solver
 from fissura.equilibrium.linear import LinearSolver, SingularMatrixError
+from fissura.equilibrium.team import ALONE, Team
 from fissura.equilibrium.two_level import TwoLevel
 
 __all__ = ["LINEAR_SOLVERS", "SymmetricSolver"]
@@ -26,7 +27,7 @@ _LARGE = 500
 _TOLERANCE = 1e-8
 
 
-def _aggregation(form: Pattern, x: FloatArray, tolerance: float) -> LinearSolver:
+def _aggregation(form: Pattern, x: FloatArray, tolerance: float, team: Team) -> LinearSolver:
     """Made here, so that only runs that name it load PyAMG."""
     from fissura.equilibrium.amg import SmoothedAggregation
 
@@ -34,10 +35,10 @@ def _aggregation(form: Pattern, x: FloatArray, tolerance: float) -> LinearSolver
 
 
 #: Solvers by name, made from a pattern, nuclei (n, 3), and a relative error in the energy norm, which `direct` does not
-#: need. `amg` is there for comparison.
-LINEAR_SOLVERS: dict[str, Callable[[Pattern, FloatArray, float], LinearSolver]] = {
-    "direct": lambda form, x, tolerance: best_solver()(form),
-    "two-level": TwoLevel,
+#: need, and threads, which only `two-level` uses. `amg` is there for comparison.
+LINEAR_SOLVERS: dict[str, Callable[[Pattern, FloatArray, float, Team], LinearSolver]] = {
+    "direct": lambda form, x, tolerance, team: best_solver()(form),
+    "two-level": lambda form, x, tolerance, team: TwoLevel(form, x, tolerance, team=team),
     "amg": _aggregation,
 }
 
@@ -55,6 +56,8 @@ class SymmetricSolver:
         Nuclei [m].
     linear : str
         Name of a solver, or "auto", which chooses by the number of bodies.
+    team : Team
+        Threads.
 
     Attributes
     ----------
@@ -62,11 +65,11 @@ class SymmetricSolver:
         Matrices prepared so far.
     """
 
-    def __init__(self, form: Pattern, x: FloatArray, linear: str = "auto") -> None:
+    def __init__(self, form: Pattern, x: FloatArray, linear: str = "auto", team: Team = ALONE) -> None:
         if linear == "auto":
             linear = "two-level" if len(x) >= _LARGE else "direct"
-        self._form, self._x = form, x
-        self._chosen = LINEAR_SOLVERS[linear](form, x, _TOLERANCE)
+        self._form, self._x, self._team = form, x, team
+        self._chosen = LINEAR_SOLVERS[linear](form, x, _TOLERANCE, team)
         self._direct: LinearSolver | None = self._chosen if linear == "direct" else None
         self._current: LinearSolver = self._chosen
         self._data: FloatArray = np.empty(0)
@@ -99,7 +102,7 @@ class SymmetricSolver:
             raise error
         _log.debug("direct solver takes over: %s", error)
         if self._direct is None:
-            self._direct = LINEAR_SOLVERS["direct"](self._form, self._x, _TOLERANCE)
+            self._direct = LINEAR_SOLVERS["direct"](self._form, self._x, _TOLERANCE, self._team)
         self._current = self._direct
         self._direct.factor(self._data, symmetric=True)
 

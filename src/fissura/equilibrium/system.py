@@ -25,6 +25,7 @@ from fissura.equilibrium.attach import attach, attach_rows, owners
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.symmetric import SymmetricSolver
+from fissura.equilibrium.team import ALONE, Team
 from fissura.material import Material, Regions
 from fissura.specimen import Conditions
 from fissura.tessellation import Tessellation
@@ -96,6 +97,8 @@ class System:
         Contacts whose centroid lies there never get damage.
     field : RandomField, optional
         Relative strength and fracture energy, taken at the centroids of facets; 1 everywhere by default.
+    team : Team
+        Threads for linear solvers.
 
     Attributes
     ----------
@@ -116,6 +119,7 @@ class System:
         linear: str = "auto",
         elastic: Regions = _NOWHERE,
         field: RandomField | None = None,
+        team: Team = ALONE,
     ) -> None:
         contacts = tessellation.contacts
         self.tessellation = tessellation
@@ -149,7 +153,8 @@ class System:
         self.support_stiffness = _SUPPORT_STIFFNESS * typical
         self.constant, wide = self._supports(rows)
         self.pattern: Pattern = pattern(self.geometry, self.constant, self._spin(), wide)
-        self.symmetric = SymmetricSolver(self.pattern, tessellation.x, linear)
+        self.symmetric = SymmetricSolver(self.pattern, tessellation.x, linear, team)
+        self.team = team
         self.prepared = PreparedSecant(self, self.symmetric)
         # Moments count as forces at the arm of half a contact.
         arm = 0.5 * float(np.median(contacts.length))

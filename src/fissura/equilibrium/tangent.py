@@ -130,7 +130,7 @@ class TangentSolver:
         right = residual - more * off
         if gap != 0.0:
             add_stiffness(geometry, chosen, -change, (more * unit).reshape(-1, 6), right.reshape(-1, 6))
-        found = gmres(operator, np.append(weights * right, -scale * b * more), tolerance, _MOST)
+        found = gmres(operator, np.append(weights * right, -scale * b * more), tolerance, _MOST, system.team)
         self.iterations += found.iterations
         if self._fresh is None:
             self._fresh = found.iterations

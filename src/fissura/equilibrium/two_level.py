@@ -16,7 +16,6 @@ from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.block_cholesky import IncompleteCholesky
 from fissura.equilibrium.blocks import (
     LowerBlocks,
-    bandwidth_order,
     constant_part,
     held_bodies,
     lower_blocks,
@@ -26,8 +25,10 @@ from fissura.equilibrium.blocks import (
 from fissura.equilibrium.clusters import bisected, connected, intact, link_stiffness
 from fissura.equilibrium.coarse import CoarseSpace
 from fissura.equilibrium.coarse_solver import CoarseSolver
+from fissura.equilibrium.domains import dissected_order
 from fissura.equilibrium.linear import SingularMatrixError
 from fissura.equilibrium.low_rank import LowRank
+from fissura.equilibrium.team import ALONE, Team
 
 __all__ = ["TwoLevel"]
 
@@ -47,26 +48,26 @@ _ROUND_OFF = 1e-11
 _STARTS = 4
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
-def _dot(a, b):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _dot(begin, end, a, b):  # type: ignore[no-untyped-def]
     s = 0.0
-    for k in range(len(a)):
+    for k in range(begin, end):
         for d in range(6):
             s += a[k, d] * b[k, d]
     return s
 
 
-@njit(cache=True)
-def _advance(step, p, product, u, r):  # type: ignore[no-untyped-def]
-    for k in range(len(u)):
+@njit(cache=True, nogil=True)
+def _advance(begin, end, step, p, product, u, r):  # type: ignore[no-untyped-def]
+    for k in range(begin, end):
         for d in range(6):
             u[k, d] += step * p[k, d]
             r[k, d] -= step * product[k, d]
 
 
-@njit(cache=True)
-def _turn(ratio, z, p):  # type: ignore[no-untyped-def]
-    for k in range(len(p)):
+@njit(cache=True, nogil=True)
+def _turn(begin, end, ratio, z, p):  # type: ignore[no-untyped-def]
+    for k in range(begin, end):
         for d in range(6):
             p[k, d] = z[k, d] + ratio * p[k, d]
 
@@ -92,6 +93,10 @@ class TwoLevel:
     reference : (z,) array, optional
         Entries of the undamaged matrix, to tell broken contacts by; without it they are told by comparison with their
         neighbours.
+    team : Team
+        Threads that share the work.
+    domains : int, optional
+        Parts into which the work falls; by default what suits the number of bodies.
 
     Attributes
     ----------
@@ -113,6 +118,8 @@ class TwoLevel:
         max_iterations: int = 500,
         *,
         reference: FloatArray | None = None,
+        team: Team = ALONE,
+        domains: int | None = None,
     ) -> None:
         self.form = form
         self.tolerance = tolerance
@@ -123,9 +130,10 @@ class TwoLevel:
         self.shift = 0.0
         held = held_bodies(form)
         # Narrow supports couple all bodies that they hold: at the end these are factorized exactly.
-        self._lower: LowerBlocks = lower_blocks(form, bandwidth_order(form, held_bodies(form, wide=False)))
+        self._team = team
+        self._lower: LowerBlocks = lower_blocks(form, *dissected_order(form, held_bodies(form, wide=False), domains))
         order = self._lower.order
-        self._smoother = IncompleteCholesky(self._lower)
+        self._smoother = IncompleteCholesky(self._lower, team)
         self._x: FloatArray = np.ascontiguousarray(x[order])
         self._group: IntArray = bisected(self._x, _CLUSTER)
         # A cluster of which only some bodies are held could not move, and would leave the others to the smoother.
@@ -184,8 +192,8 @@ class TwoLevel:
         row, column = self._ends
         keep = intact(row, column, self._stiffness(data), self._reference, _INTACT)
         label = connected(self._group, row[keep], column[keep])
-        self._storage = blocks = self._lower.gather(data, self._storage)
-        self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._wide)
+        self._storage = blocks = self._lower.gather(data, self._storage, self._team)
+        self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._wide, self._team)
         self.clusters = self._coarse.clusters
         try:
             self._smoother.factor(blocks, self._left_out)
@@ -228,9 +236,12 @@ class TwoLevel:
         out[order] = self._product(u.reshape(-1, 6)[order])
         return out.ravel()
 
+    def _dot(self, a: FloatArray, b: FloatArray) -> float:
+        return float(sum(self._team.run(_dot, self._lower.pieces, a, b)))
+
     def _product(self, u: FloatArray) -> FloatArray:
         assert self._blocks is not None
-        out = multiply(self._lower, self._blocks, u)
+        out = multiply(self._lower, self._blocks, u, self._team)
         self._wide.add_product(u, out)
         return out
 
@@ -255,11 +266,11 @@ class TwoLevel:
         for starts_left in range(_STARTS, -1, -1):
             coarse = np.zeros_like(b)
             self._coarse.add_motion(self._solver.solve(self._coarse.restrict(r)), coarse)
-            energy = _dot(r, coarse)
+            energy = self._dot(r, coarse)
             u = u + coarse
             r = b - self._product(u)
             z = self._preconditioned(r)
-            rho = _dot(r, z)
+            rho = self._dot(r, z)
             if not np.isfinite(energy + rho):
                 break
             if limit is None:
@@ -274,13 +285,13 @@ class TwoLevel:
                 left -= 1
                 self.iterations += 1
                 product = self._product(p)
-                curvature = _dot(p, product)
+                curvature = self._dot(p, product)
                 if not curvature > 0.0:
                     raise SingularMatrixError("the stiffness matrix is not positive definite")
-                _advance(rho / curvature, p, product, u, r)
+                self._team.run(_advance, self._lower.pieces, rho / curvature, p, product, u, r)
                 z = self._preconditioned(r)
-                before, rho = rho, _dot(r, z)
-                _turn(rho / before, z, p)
+                before, rho = rho, self._dot(r, z)
+                self._team.run(_turn, self._lower.pieces, rho / before, z, p)
         raise SingularMatrixError(
             f"conjugate gradients do not converge: relative error {error:.1e} after {self.iterations} iterations"
         )
