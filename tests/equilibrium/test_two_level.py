@@ -353,3 +353,17 @@ def test_one_cycle_for_other_iterations(sound):
     rest = (right - sound.pattern.matrix(data) @ found).reshape(-1, 6)[solver._lower.order]
     np.testing.assert_allclose(solver._coarse.restrict(rest), 0.0, atol=1e-6)
     np.testing.assert_array_equal(found, solver.apply(right))
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("domains", [1, 3])
+def test_values_that_are_not_finite_are_refused_and_later_ones_solved(sound, value, domains):
+    data = sound.secant(sound.virgin())
+    solver = TwoLevel(sound.pattern, sound.tessellation.x, domains=domains)
+    for body in (0, len(sound.tessellation) - 1):
+        worse = data.copy()
+        worse[sound.pattern.start[body] + sound.pattern.diagonal[body]] = value
+        with pytest.raises(SingularMatrixError, match="finite"):
+            solver.factor(worse, symmetric=True)
+    solver.factor(data, symmetric=True)
+    assert np.isfinite(solver.solve(sound.load)).all()

@@ -13,7 +13,7 @@ from numba import types
 from numba.core import cgutils as _cgutils
 from numba.extending import intrinsic
 
-__all__ = ["prefetch", "times", "transposed_times"]
+__all__ = ["prefetch", "prefetch_item", "times", "transposed_times"]
 
 _DOUBLE = ir.DoubleType()
 _SIX = ir.VectorType(_DOUBLE, 6)
@@ -97,7 +97,23 @@ def _prefetch(typing_context, blocks, k):  # type: ignore[no-untyped-def]
     return types.void(blocks, types.int64), generate
 
 
+def _prefetch_item(typing_context, items, k):  # type: ignore[no-untyped-def]
+    """Ask for ``items[k]``, which may lie beyond the array, to be loaded: array with one axis, number."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        array, k = arguments
+        data = context.make_array(signature.args[0])(context, builder, array).data
+        byte, word = ir.IntType(8).as_pointer(), ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [byte, word, word, word])
+        hint = builder.module.declare_intrinsic("llvm.prefetch", [byte], kind)
+        builder.call(hint, [builder.bitcast(builder.gep(data, [k]), byte), word(0), word(3), word(1)])
+        return context.get_dummy_value()
+
+    return types.void(items, types.int64), generate
+
+
 # Typed as what they are inside compiled functions.
 prefetch: Any = intrinsic(_prefetch)
+prefetch_item: Any = intrinsic(_prefetch_item)
 times: Any = intrinsic(_times)
 transposed_times: Any = intrinsic(_transposed_times)

@@ -185,14 +185,15 @@ class TwoLevel:
         """
         if not symmetric:
             raise ValueError("conjugate gradients solve symmetric matrices only")
-        if not np.isfinite(data).all():
-            raise SingularMatrixError("the stiffness matrix holds values that are not finite")
         self.factorizations += 1
         self._blocks = None
+        try:
+            self._storage = blocks = self._lower.gather(data, self._storage, self._team)
+        except ValueError as error:
+            raise SingularMatrixError(str(error)) from error
         row, column = self._ends
         keep = intact(row, column, self._stiffness(data), self._reference, _INTACT)
         label = connected(self._group, row[keep], column[keep])
-        self._storage = blocks = self._lower.gather(data, self._storage, self._team)
         self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._wide, self._team)
         self.clusters = self._coarse.clusters
         try:
