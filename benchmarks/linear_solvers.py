@@ -28,6 +28,7 @@ from fissura.contact import law_from_case
 from fissura.equilibrium import System
 from fissura.equilibrium.amg import SmoothedAggregation
 from fissura.equilibrium.direct import best_solver
+from fissura.equilibrium.team import Team
 from fissura.equilibrium.two_level import TwoLevel
 from fissura.material import material_from_case
 from fissura.specimen import conditions_from_case, specimen_from_case
@@ -48,6 +49,8 @@ CRACKS, CRACKED = (0.0, 0.25, 0.5, 0.75, 0.9, 0.97), 10_000
 #: Targets: growth of the cost per body from 10 000 to 100 000 bodies, direct over two-level at 30 000 and amg over
 #: two-level anywhere, products of the matrix with a vector per solution, peak memory per body [kB].
 GROWTH, OVER_DIRECT, OVER_AMG, PRODUCTS, MEMORY = 1.5, 10.0, 1.0, 60.0, 15.0
+#: Bodies in the beams that threads share, and the numbers of domains and threads that are compared.
+SHARED, TEAMS = (30_000, 100_000), ((1, 1), (4, 1), (4, 2), (4, 4))
 #: From this number of bodies on the two-level solver is chosen by `auto`, and has to keep the target for products.
 AUTO = 2000
 #: Repetitions of what is quick, of which the median counts.
@@ -68,6 +71,12 @@ Peak memory [kB per body] of preparation, setup and one solve, beyond the matrix
 process that holds the matrix and has compiled kernels and libraries loaded (`benchmarks/solver_memory.py`). Matrix:
 entries, compressed rows and block structure.
 """
+THREADS = """\
+Preparation, setup and one solve by teams of threads; each domain may be worked on by another one, and what lies between
+domains, the tail, by one only. Processor time of all threads, and of the one that does most: the wall time where every
+thread has a processor of its own. *Wall* is what the clock said, with whatever else ran. Solutions of four domains must
+be the same bit for bit.
+"""
 FACES = """\
 Bars of `examples/tension_bar.toml`, one whole face clamped, the other pulled: the support is kept as six rows that
 touch all held bodies, beside a matrix that would otherwise hold a dense block of their size.
@@ -78,6 +87,8 @@ def produce(found: argparse.Namespace) -> Report:
     _beam_row(found.cases[0], found.seeds[0], SIZES[0] // 4, memory=False)  # compiled kernels are not measured
     rows = [_beam_row(name, seed, size) for name in found.cases for seed in found.seeds for size in SIZES]
     rows += [_bar_row(found.seeds[0], size) for size in BARS]
+    for size in SHARED:
+        rows += _team_rows(found.cases[0], found.seeds[0], size)
     crack = [_crack_row(found.cases[0], found.seeds[0])]
     if found.write:
         path = ROOT / "docs" / "images" / "solver_iterations.png"
@@ -197,6 +208,28 @@ def _bar_row(seed: int, size: int) -> dict[str, Any]:
     return row | _two_level(system, system.secant(system.virgin()))
 
 
+def _team_rows(name: str, seed: int, size: int) -> list[dict[str, Any]]:
+    """Medians of times with one domain and with several, worked on by different numbers of threads."""
+    _, system = _system(name, seed, size)
+    data, x = system.secant(system.virgin()), system.tessellation.x
+    rows: list[dict[str, Any]] = []
+    for domains, threads in TEAMS:
+        times: list[tuple[float, ...]] = []
+        team = Team(threads)
+        for _ in range(REPEATS):
+            clocks = (time.process_time, time.thread_time, time.perf_counter)
+            begin = [clock() for clock in clocks]
+            solver = TwoLevel(system.pattern, x, TOLERANCE, reference=data, team=team, domains=domains)
+            solver.factor(data, symmetric=True)
+            u = solver.solve(system.load)
+            times.append(tuple(1e6 * (clock() - b) / len(x) for clock, b in zip(clocks, begin, strict=True)))
+        total, busiest, wall = np.median(times, axis=0)
+        row = {"kind": "team", "bodies": len(x), "domains": domains, "threads": threads, "hash": hash(u.tobytes())}
+        row |= {"tail": 100 * solver.tail, "iterations": solver.iterations, "total": total, "busiest": busiest}
+        rows.append(row | {"clock": wall})
+    return rows
+
+
 def _crack_row(name: str, seed: int) -> dict[str, Any]:
     """Iterations against crack length: two-level, the same with clusters that reach across the crack, and amg."""
     case, system = _system(name, seed, CRACKED)
@@ -251,6 +284,16 @@ MEMORIES = [
     ("memory_direct", "direct", ".1f"),
     ("memory_amg", "amg", ".1f"),
 ]
+TEAM_COLUMNS = [
+    COLUMNS[0],
+    ("domains", "domains", ".0f"),
+    ("tail", "tail [%]", ".1f"),
+    ("threads", "threads", ".0f"),
+    COLUMNS[1],
+    ("total", "all threads [µs]", ".1f"),
+    ("busiest", "busiest thread [µs]", ".1f"),
+    ("clock", "wall [µs]", ".1f"),
+]
 HELD = [COLUMNS[0], ("held", "held", ".0f"), COLUMNS[1], *COLUMNS[4:]]
 
 
@@ -258,15 +301,19 @@ def _lines(rows: list[dict[str, Any]], columns: list[tuple[str, str, str]]) -> s
     for row in rows:
         row |= {f"{key}_us": 1e6 * row[f"{key}_s"] / row["bodies"] for key in ("preparation", "setup", "solve")}
         row |= {f"{key}_us": 1e6 * row[f"{key}_s"] / row["bodies"] for key in ("wall", "product")}
+    return _cells(rows, columns)
+
+
+def _cells(rows: list[dict[str, Any]], columns: list[tuple[str, str, str]]) -> str:
     cells = [[f"{row[key]:{form}}" if key in row else "–" for key, _, form in columns] for row in rows]
     return table([head for _, head, _ in columns], cells)
 
 
 def _markdown(rows: list[dict[str, Any]]) -> str:
-    beams, bars = ([row for row in rows if row["kind"] == kind] for kind in ("size", "bar"))
+    beams, bars, teams = ([row for row in rows if row["kind"] == kind] for kind in ("size", "bar", "team"))
     parts = ["## Linear solvers", TEXT, _lines(beams, COLUMNS), "### Direct solver and smoothed aggregation", COMPARED]
     parts += [_lines(beams, RATIOS), _crossing(beams), "### Memory", REMEMBERED, _lines(beams, MEMORIES)]
-    parts += ["### Whole faces held", FACES, _lines(bars, HELD)]
+    parts += ["### Whole faces held", FACES, _lines(bars, HELD), "### Threads", THREADS, _cells(teams, TEAM_COLUMNS)]
     return "\n\n".join(part.strip() for part in parts)
 
 
@@ -293,8 +340,25 @@ def _checks(rows: list[dict[str, Any]]) -> list[Check]:
         Check("cost per body, 100 000 bodies over 10 000", growth, GROWTH),
         Check("direct over two-level at 30 000", min(r["direct_ratio"] for r in near(30_000)), OVER_DIRECT, True),
         Check("amg over two-level", min(row["amg_ratio"] for row in beams), OVER_AMG, True),
-        Check(f"products from {AUTO} bodies on", max(r["products"] for r in rows if r["bodies"] > AUTO), PRODUCTS),
+        Check(
+            f"products from {AUTO} bodies on",
+            max(r["products"] for r in rows if r["kind"] != "team" and r["bodies"] > AUTO),
+            PRODUCTS,
+        ),
         Check("peak memory with the matrix, kB per body", memory, MEMORY),
+    ]
+
+
+def _team_checks(rows: list[dict[str, Any]]) -> list[Check]:
+    """For the largest beam: what threads cost in all, what two of them save, and that they change nothing."""
+    largest = [row for row in rows if row["bodies"] == max(row["bodies"] for row in rows)]
+    alone = next(row for row in largest if row["domains"] == 1)
+    two = next(row for row in largest if row["threads"] == 2)
+    different = len({row["hash"] for row in largest if row["domains"] > 1}) - 1
+    return [
+        Check("all threads over one alone, processor time", two["total"] / alone["total"], 1.1),
+        Check("one alone over the busiest of two", alone["total"] / two["busiest"], 1.5, at_least=True),
+        Check("solutions that depend on the number of threads", different, 0),
     ]
 
 

@@ -422,6 +422,7 @@ def test_examples_are_there() -> None:
         "beam_d400",
         "beam_350",
         "tension_bar",
+        "notched_bar",
     }
     assert load_case(next(p for p in EXAMPLES if "gregoire" in p.stem)).output.measured is not None
 

@@ -9,7 +9,6 @@ in the matrix and in the coarse space exactly; only the incomplete factor leaves
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fissura.equilibrium.assembly import Pattern
@@ -29,6 +28,7 @@ from fissura.equilibrium.domains import dissected_order
 from fissura.equilibrium.linear import SingularMatrixError
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.team import ALONE, Team
+from fissura.equilibrium.vectors import advance, dot, turn
 
 __all__ = ["TwoLevel"]
 
@@ -46,30 +46,6 @@ _ROUND_OFF = 1e-11
 
 #: Starts from the true residual; more than one when the residual carried along has drifted from it.
 _STARTS = 4
-
-
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _dot(begin, end, a, b):  # type: ignore[no-untyped-def]
-    s = 0.0
-    for k in range(begin, end):
-        for d in range(6):
-            s += a[k, d] * b[k, d]
-    return s
-
-
-@njit(cache=True, nogil=True)
-def _advance(begin, end, step, p, product, u, r):  # type: ignore[no-untyped-def]
-    for k in range(begin, end):
-        for d in range(6):
-            u[k, d] += step * p[k, d]
-            r[k, d] -= step * product[k, d]
-
-
-@njit(cache=True, nogil=True)
-def _turn(begin, end, ratio, z, p):  # type: ignore[no-untyped-def]
-    for k in range(begin, end):
-        for d in range(6):
-            p[k, d] = z[k, d] + ratio * p[k, d]
 
 
 class TwoLevel:
@@ -167,6 +143,11 @@ class TwoLevel:
         return out
 
     @property
+    def tail(self) -> float:
+        """Share of the bodies that belong to no domain."""
+        return 1.0 - float(self._lower.bounds[-1]) / len(self._x)
+
+    @property
     def cluster_of(self) -> IntArray:
         """Cluster of each body, shape (n,)."""
         out = np.empty(len(self._x), dtype=np.int64)
@@ -238,7 +219,7 @@ class TwoLevel:
         return out.ravel()
 
     def _dot(self, a: FloatArray, b: FloatArray) -> float:
-        return float(sum(self._team.run(_dot, self._lower.pieces, a, b)))
+        return float(sum(self._team.run(dot, self._lower.pieces, a, b)))
 
     def _product(self, u: FloatArray) -> FloatArray:
         assert self._blocks is not None
@@ -289,10 +270,10 @@ class TwoLevel:
                 curvature = self._dot(p, product)
                 if not curvature > 0.0:
                     raise SingularMatrixError("the stiffness matrix is not positive definite")
-                self._team.run(_advance, self._lower.pieces, rho / curvature, p, product, u, r)
+                self._team.run(advance, self._lower.pieces, rho / curvature, p, product, u, r)
                 z = self._preconditioned(r)
                 before, rho = rho, self._dot(r, z)
-                self._team.run(_turn, self._lower.pieces, rho / before, z, p)
+                self._team.run(turn, self._lower.pieces, rho / before, z, p)
         raise SingularMatrixError(
             f"conjugate gradients do not converge: relative error {error:.1e} after {self.iterations} iterations"
         )
