@@ -27,7 +27,7 @@ _LARGE = 500
 _TOLERANCE = 1e-8
 
 
-def _aggregation(form: Pattern, x: FloatArray, tolerance: float, team: Team) -> LinearSolver:
+def _aggregation(form: Pattern, x: FloatArray, tolerance: float, team: Team = ALONE) -> LinearSolver:
     """Made here, so that only runs that name it load PyAMG."""
     from fissura.equilibrium.amg import SmoothedAggregation
 
@@ -35,10 +35,10 @@ def _aggregation(form: Pattern, x: FloatArray, tolerance: float, team: Team) -> 
 
 
 #: Solvers by name, made from a pattern, nuclei (n, 3), and a relative error in the energy norm, which `direct` does not
-#: need, and threads, which only `two-level` uses. `amg` is there for comparison.
-LINEAR_SOLVERS: dict[str, Callable[[Pattern, FloatArray, float, Team], LinearSolver]] = {
-    "direct": lambda form, x, tolerance, team: best_solver()(form),
-    "two-level": lambda form, x, tolerance, team: TwoLevel(form, x, tolerance, team=team),
+#: need, and if wanted threads, which only `two-level` uses. `amg` is there for comparison.
+LINEAR_SOLVERS: dict[str, Callable[..., LinearSolver]] = {
+    "direct": lambda form, x, tolerance, team=ALONE: best_solver()(form),
+    "two-level": lambda form, x, tolerance, team=ALONE: TwoLevel(form, x, tolerance, team=team),
     "amg": _aggregation,
 }
 
