@@ -3,6 +3,7 @@ import pytest
 from numba import njit
 
 from equilibrium.models import beam, beam_system
+from fissura import Simulation
 from fissura.case import case_from_dict
 from fissura.equilibrium import team as module
 from fissura.equilibrium.block_cholesky import IncompleteCholesky
@@ -74,6 +75,11 @@ def test_a_case_says_how_many_threads():
     assert case_from_dict(data | {"solver": {"threads": 2}}).solver.threads == 2
     with pytest.raises(InputError, match="threads"):
         case_from_dict(data | {"solver": {"threads": -1}})
+
+
+def test_a_run_uses_the_threads_of_its_case():
+    case = case_from_dict(beam().model_dump() | {"solver": {"threads": 3}})
+    assert Simulation(case)._system.team.threads == 3
 
 
 def test_a_small_structure_is_one_domain_and_starts_no_thread(sound):

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
 
 __all__ = ["ALONE", "Team", "usable_processors"]
 
@@ -70,6 +72,8 @@ class Team:
         if self.threads == 1 or len(pieces) == 1:
             return [kernel(begin, end, *rest) for begin, end in pieces]
         if self._pool is None:
+            from concurrent.futures import ThreadPoolExecutor
+
             # The calling thread does its share.
             self._pool = ThreadPoolExecutor(self.threads - 1, thread_name_prefix="fissura")
         waiting = [self._pool.submit(kernel, begin, end, *rest) for begin, end in pieces[1:]]
