@@ -31,8 +31,8 @@ PEER_FACTOR, BEFORE_FACTOR = 8.0, 3.0
 MEMORY = 2000.0
 #: Spacing at which the bars have 100 000 bodies [m].
 FINE_BAR = 3.13e-3
-#: Share of its peak load that the bar may have left at the end.
-LEFT = 0.6
+#: Share of its peak load at which the run of the bar ends.
+LEFT = 0.75
 #: Processor seconds after which a run is ended and what there is of it reported.
 LIMIT = 3600.0
 #: Interleaved repeats of short runs.
@@ -133,7 +133,12 @@ def _large(found: argparse.Namespace) -> tuple[list[dict[str, Any]], list[Check]
 
 
 def _bar(found: argparse.Namespace) -> tuple[list[dict[str, Any]], list[Check]]:
-    row = run_apart("notched_bar", full=True, discretization={"l_f": FINE_BAR, "l_c": 4 * FINE_BAR})
+    row = run_apart(
+        "notched_bar",
+        full=True,
+        discretization={"l_f": FINE_BAR, "l_c": 4 * FINE_BAR},
+        control={"stop_load": LEFT},
+    )
     checks = [
         Check("notched_bar: runs that did not finish", float(not row["finished"]), 0),
         Check("notched_bar: bodies", row["bodies"], 95_000, at_least=True),
