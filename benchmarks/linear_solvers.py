@@ -338,6 +338,7 @@ def _checks(rows: list[dict[str, Any]]) -> list[Check]:
     memory = max(row["memory_two-level"] + row["memory_matrix"] for row in beams if row["bodies"] > AUTO)
     return [
         Check("cost per body, 100 000 bodies over 10 000", growth, GROWTH),
+        *_team_checks([row for row in rows if row["kind"] == "team"]),
         Check("direct over two-level at 30 000", min(r["direct_ratio"] for r in near(30_000)), OVER_DIRECT, True),
         Check("amg over two-level", min(row["amg_ratio"] for row in beams), OVER_AMG, True),
         Check(
