@@ -15,11 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.adaptivity import (
+    Coarsening,
     ElasticState,
     RefinedRegion,
     calibrated,
     criterion_named,
     gauge_compliance,
+    needed_contacts,
     region_from_case,
     transfer_history,
 )
@@ -69,12 +71,14 @@ class _Path:
     in_energy: bool = False  # whether it led there
     aim: FloatArray | None = None  # history that the step being repeated had found before refinement
     work: float = 0.0
+    exchanged: float = 0.0  # energy that changes of the discretization put in
     peak: float = 0.0
     # Since the last accepted step, attempts that failed included:
     iterations: int = 0
     linear_iterations: int = 0
     factorizations: int = 0
     refinements: int = 0
+    coarsenings: int = 0
 
 
 class Simulation:
@@ -120,6 +124,7 @@ class Simulation:
         self._nuclei = nuclei_from_case(case, self._box)
         check_not_everywhere(self._elastic, self._nuclei.x)
         self._region = region_from_case(case, self._box, full=full)
+        self._coarsening = Coarsening(self._nuclei.x)
         self.tessellation = self._discretize(self._region)
         self._system = self._equations(self.tessellation)
         self._compliance: float | None = None  # at full resolution; known when calibration needs it
@@ -154,7 +159,7 @@ class Simulation:
         if self._compliance is None:
             whole = self._discretize(replace(self._region, everywhere=True))
             self._compliance = gauge_compliance(self._equations(whole))
-        return calibrated(system, self._compliance)
+        return calibrated(system, self._compliance, self._system.elastic_scale)
 
     def _start(self) -> _Path:
         """The unloaded structure; finds the initial stiffness on the way."""
@@ -202,6 +207,8 @@ class Simulation:
                 step, last = attempt
                 follower.succeeded(goal, last, step.gauge - value, path.dissipated - dissipated, step.gauge)
                 yield step
+                self._coarsening = self._coarsening.stepped()
+                self._coarsen(path)
             elif not follower.failed(unloaded=path.now.load == 0.0):
                 raise RunStopped(
                     f"no equilibrium within {control.max_iterations} iterations, even with a step of"
@@ -301,21 +308,51 @@ class Simulation:
 
     def _refine(self, path: _Path, centers: FloatArray, reached: FloatArray) -> None:
         """Refine around critical centres and settle the last accepted state on the new discretization."""
-        old = path.system
-        history, pairs = path.now.response.history, old.pairs()
-        self._region = self._region.grown(centers)
-        self.tessellation = self._discretize(self._region, self.tessellation)
-        self._system = path.system = self._calibrated(self._equations(self.tessellation))
-        history = transfer_history(pairs, history, path.system.pairs())
+        self._coarsening = self._coarsening.refined(centers)
+        pairs = path.system.pairs()
+        self._change(path, self._region.grown(centers))
         path.aim = transfer_history(pairs, reached, path.system.pairs())
-        value = path.now.value
-        _log.info("refined to %d bodies at %.4g m", len(self.tessellation), value)
-        if value == 0.0:
-            rest = path.system.response(np.zeros(path.system.size), history)
-            path.now = Equilibrium(rest, 0.0, 0.0)
-        else:
-            path.now = settle(path.system, history, value)
+        _log.info("refined to %d bodies at %.4g m", len(self.tessellation), path.now.value)
+
+    def _coarsen(self, path: _Path) -> None:
+        """Give up what is fine and not needed any more, where that pays."""
+        if self.full or not self.case.adaptivity.coarsen:
+            return
+        system, response = path.system, path.now.response
+        strain = response.strain[system.active]
+        needed = needed_contacts(
+            strain,
+            response.history,
+            system.law.utilisation(strain),
+            self._material.alpha,
+            self.case.adaptivity.gamma_coarse,
+        )
+        before = self._region
+        region = self._coarsening.smaller(before, system.tessellation, system.active, needed)
+        if region is not None:
+            self._change(path, region)
+            self._coarsening = self._coarsening.coarsened(before)
+            path.coarsenings += 1
+            _log.info("coarsened to %d bodies at %.4g m", len(self.tessellation), path.now.value)
+
+    def _change(self, path: _Path, region: RefinedRegion) -> None:
+        """Discretize for another region and settle the last accepted state there.
+
+        The load and the energy stored jump a little. The jump of energy is kept apart, so that the balance of the rest
+        can be told.
+        """
+        old, before = path.system, path.now
+        self._region = region
+        self.tessellation = self._discretize(region, self.tessellation)
+        self._system = system = path.system = self._calibrated(self._equations(self.tessellation))
+        history = transfer_history(old.pairs(), before.response.history, system.pairs())
         path.before = None
+        if before.value == 0.0:
+            path.now = Equilibrium(system.response(np.zeros(system.size), history), 0.0, 0.0)
+            return
+        path.now = settle(system, history, before.value)
+        path.exchanged += system.stored(path.now.response) - old.stored(before.response)
+        path.load, path.displacement = path.now.load, float(system.load @ path.now.response.u)
 
     def _accept(
         self,
@@ -344,18 +381,20 @@ class Simulation:
             bodies=len(system.tessellation),
             fine_bodies=int(system.tessellation.fine.sum()),
             refinements=path.refinements,
+            coarsenings=path.coarsenings,
             iterations=path.iterations,
             linear_iterations=path.linear_iterations,
             factorizations=path.factorizations,
             dissipated=path.dissipated,
             stored=system.stored(found.response),
             work=path.work,
+            exchanged=path.exchanged,
             max_elastic_utilisation=float(utilisation.max(initial=0.0)),
             residual=found.norms.force,
             snapshot=self._snapshot(system, found, criterion, stress),
             control=goal.control,
         )
-        path.iterations = path.linear_iterations = path.factorizations = path.refinements = 0
+        path.iterations = path.linear_iterations = path.factorizations = path.refinements = path.coarsenings = 0
         return step
 
     def _snapshot(self, system: System, found: Equilibrium, criterion: FloatArray, stress: FloatArray) -> Snapshot:

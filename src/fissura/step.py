@@ -69,13 +69,15 @@ class Step:
         Mean displacement under the load, along it [m].
     bodies, fine_bodies : int
         Bodies, and those of them in the refined region.
-    refinements : int
-        Re-tessellations since the step before.
+    refinements, coarsenings : int
+        Changes of the discretization since the step before: each refinement repeated this step.
     iterations, linear_iterations, factorizations : int
         Corrections, applications of the preconditioner in them, and preparations of linear solvers since the step
         before, repeats and failed attempts included.
     dissipated, stored, work : float
         Energy dissipated so far, elastic energy now, work of the load so far [J].
+    exchanged : float
+        Energy that changes of the discretization put in so far [J]: ``stored + dissipated = work + exchanged``.
     max_elastic_utilisation : float
         Largest effective traction over strength among elastic contacts.
     residual : float
@@ -93,12 +95,14 @@ class Step:
     bodies: int
     fine_bodies: int
     refinements: int
+    coarsenings: int
     iterations: int
     linear_iterations: int
     factorizations: int
     dissipated: float
     stored: float
     work: float
+    exchanged: float
     max_elastic_utilisation: float
     residual: float
     snapshot: Snapshot

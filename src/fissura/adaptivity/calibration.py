@@ -22,14 +22,20 @@ _LIMITS = (0.5, 2.0)
 _ACCURACY = 1e-4
 _SMALLEST_SHARE = 0.01  # of the compliance: below it the coarse part cannot matter
 
+#: Error of the elastic solutions in the energy norm; their gauge is as exact, about.
+_TOLERANCE = 1e-5
+
+#: A change of the factor by less than this share needs no check: its square is what the slope leaves out.
+_SMALL = 0.02
+
 
 def gauge_compliance(system: System) -> float:
     """Controlled quantity per unit load of the undamaged structure [m/N]."""
     system.symmetric.factor(system.secant(system.virgin()))
-    return float(system.control @ system.symmetric.solve(system.load))
+    return float(system.control @ system.symmetric.solve(system.load, _TOLERANCE))
 
 
-def calibrated(system: System, target: float) -> System:
+def calibrated(system: System, target: float, start: float = 1.0) -> System:
     """Calibrate a system so that its undamaged gauge compliance is the given one.
 
     Compliance is close to linear in the inverse of the factor; the slope is the mutual energy of the coarse contacts
@@ -41,17 +47,21 @@ def calibrated(system: System, target: float) -> System:
         Equations of a discretization.
     target : float
         Compliance at full resolution [m/N].
+    start : float
+        Factor to begin with, such as that of a similar discretization.
 
     Returns
     -------
     System
         The same equations with coarse contacts scaled.
     """
+    if start != 1.0 and len(system.coarse):
+        system = system.scaled(start)
     for _ in range(4):
         if not len(system.coarse):
             break
         system.symmetric.factor(system.secant(system.virgin()))
-        solutions = system.symmetric.solve(np.stack([system.load, system.control], axis=1))
+        solutions = system.symmetric.solve(np.stack([system.load, system.control], axis=1), _TOLERANCE)
         compliance = float(system.control @ solutions[:, 0])
         if abs(compliance / target - 1.0) < _ACCURACY:
             break
@@ -60,6 +70,8 @@ def calibrated(system: System, target: float) -> System:
             break
         inverse = 1.0 / system.elastic_scale + (target - compliance) / slope
         scale = min(max(1.0 / inverse, _LIMITS[0]), _LIMITS[1]) if inverse > 0.0 else _LIMITS[1]
-        system = system.scaled(scale)
+        before, system = system.elastic_scale, system.scaled(scale)
+        if abs(scale / before - 1.0) < _SMALL:
+            break
     _log.info("stiffness of elastic contacts times %.4f", system.elastic_scale)
     return system

@@ -33,13 +33,19 @@ class RefinedRegion:
     l_f, l_c : float
         Fine and coarse spacing [m].
     r_f : float
-        Radius of the balls around critical centres, and of tip lines [m].
+        Radius of the balls around critical centres [m].
     ramp : float
         Distance ``r_c - r_f`` over which spacing grows from `l_f` to `l_c` [m].
     centers : (k, 3) array
         Critical centres so far [m].
+    r_w : float
+        Radius of the balls around bodies that coarsening left fine [m].
+    needed : (w, 3) array
+        Nuclei of these bodies [m].
     lines : (q, 2, 3) array
-        Ends of lines that are fine within `r_f` from the start [m].
+        Ends of lines that are fine within `r_l` [m].
+    r_l : float
+        That radius, `r_f` at the start [m].
     balls, radii : (b, 3), (b,) arrays
         Further balls from the start [m].
     lower, upper : (b, 3) arrays
@@ -59,22 +65,38 @@ class RefinedRegion:
     lower: FloatArray = field(default_factory=lambda: _empty(0, 3))
     upper: FloatArray = field(default_factory=lambda: _empty(0, 3))
     everywhere: bool = False
+    r_l: float = 0.0
+    r_w: float = 0.0
+    needed: FloatArray = field(default_factory=lambda: _empty(0, 3))
 
     def grown(self, centers: FloatArray) -> RefinedRegion:
         """The same region with further critical centres, shape (k, 3)."""
         return replace(self, centers=np.unique(np.concatenate([self.centers, centers]), axis=0))
+
+    def coarsened(self, needed: FloatArray, lasting: FloatArray) -> RefinedRegion:
+        """What a case asks for, `r_w` around tip lines and bodies that are needed, and `r_f` around lasting centres.
+
+        Parameters
+        ----------
+        needed : (w, 3) array
+            Nuclei of bodies that must stay fine [m].
+        lasting : (k, 3) array
+            Critical centres that stay [m].
+        """
+        return replace(self, centers=lasting, needed=needed, r_l=self.r_w)
 
     def distance(self, x: FloatArray) -> FloatArray:
         """Distance of points from the region [m], zero or negative inside; (n, 3) -> (n,)."""
         if self.everywhere:
             return np.full(len(x), -np.inf)
         nearest = np.full(len(x), np.inf)
-        if len(self.centers):
-            nearest = np.asarray(cKDTree(self.centers).query(x)[0], dtype=np.float64) - self.r_f
+        for centers, radius in ((self.centers, self.r_f), (self.needed, self.r_w)):
+            if len(centers):
+                nearest = np.minimum(nearest, np.asarray(cKDTree(centers).query(x)[0]) - radius)
         for a, b in self.lines:
             along = b - a
             t = np.clip((x - a) @ along / (along @ along), 0.0, 1.0)
-            nearest = np.minimum(nearest, np.linalg.norm(x - a - t[:, None] * along, axis=1) - self.r_f)
+            nearest = np.minimum(nearest, np.linalg.norm(x - a - t[:, None] * along, axis=1) - self.r_l)
         given = Regions(self.balls, self.radii, self.lower, self.upper).distance(x)
         return np.asarray(np.minimum(nearest, given), dtype=np.float64)
 
@@ -101,4 +123,6 @@ def region_from_case(case: Case, box: Box, *, full: bool) -> RefinedRegion:
         lower=regions.lower,
         upper=regions.upper,
         everywhere=full,
+        r_l=part.r_f,
+        r_w=part.r_w,
     )

@@ -219,6 +219,9 @@ class Adaptivity(Part):
     gamma: Fraction = 0.75
     r_f: PositiveLength = Field(default=math.nan, validate_default=False)
     r_c: PositiveLength = Field(default=math.nan, validate_default=False)
+    coarsen: Flag = False
+    gamma_coarse: Fraction = 0.6
+    r_w: PositiveLength = Field(default=math.nan, validate_default=False)
     notch_tips: Flag = True
     calibrate: Flag = True
     regions: Annotated[tuple[Region, ...], BeforeValidator(as_tuple)] = ()
@@ -326,7 +329,8 @@ class Case(Part):
         r_c = r_f + 2.0 * spacing.l_c if math.isnan(value.r_c) else value.r_c
         if r_f > r_c:
             fail(f"{r_f:g} m is larger than r_c = {r_c:g} m", "r_f at most r_c", "r_f")
-        return value.model_copy(update={"r_f": r_f, "r_c": r_c})
+        r_w = 3.0 * spacing.l_f if math.isnan(value.r_w) else value.r_w
+        return value.model_copy(update={"r_f": r_f, "r_c": r_c, "r_w": r_w})
 
     @model_validator(mode="after")
     def _controlled(self) -> Self:

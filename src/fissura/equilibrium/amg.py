@@ -131,7 +131,7 @@ class SmoothedAggregation:
         found: FloatArray = self._scale * self._cycle.matvec(self._scale * right)
         return found
 
-    def solve(self, right: FloatArray) -> FloatArray:
+    def solve(self, right: FloatArray, tolerance: float | None = None) -> FloatArray:
         """Solve for one right-hand side after another; (6 n,) or (6 n, k).
 
         Raises
@@ -141,15 +141,15 @@ class SmoothedAggregation:
         """
         self.iterations = 0
         columns = right.reshape(self.form.size, -1)
-        found = np.stack([self._solved(np.ascontiguousarray(column)) for column in columns.T], axis=1)
+        found = np.stack([self._solved(np.ascontiguousarray(column), tolerance or self.tolerance) for column in columns.T], axis=1)
         return found.reshape(right.shape)
 
-    def _solved(self, right: FloatArray) -> FloatArray:
+    def _solved(self, right: FloatArray, tolerance: float) -> FloatArray:
         u, r = np.zeros_like(right), right.copy()
         z = self.apply(r)
         p, rho = z, dot(r, z)
         for _ in range(self.max_iterations):
-            if 0.0 <= rho <= self.tolerance**2 * dot(u, right):
+            if 0.0 <= rho <= tolerance**2 * dot(u, right):
                 return u
             self.iterations += 1
             product = self.form.product(self._data, p)

@@ -52,8 +52,8 @@ class _Direct(ABC):
         except (RuntimeError, np.linalg.LinAlgError) as error:
             raise SingularMatrixError(str(error)) from error
 
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Solve with the latest factorization; (n,) or (n, k)."""
+    def solve(self, right: FloatArray, tolerance: float | None = None) -> FloatArray:
+        """Solve with the latest factorization, exactly; (n,) or (n, k)."""
         return self._solve(right) if self._correction is None else self._correction.solve(right, self._solve)
 
     def apply(self, right: FloatArray) -> FloatArray:

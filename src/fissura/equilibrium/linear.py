@@ -39,8 +39,10 @@ class LinearSolver(Protocol):
             The matrix cannot be factorized.
         """
 
-    def solve(self, right: FloatArray) -> FloatArray:
+    def solve(self, right: FloatArray, tolerance: float | None = None) -> FloatArray:
         """Solve for one or more right-hand sides; (6 n,) or (6 n, k).
+
+        Iterative solvers may be given a relative error in the energy norm, other than their own.
 
         Raises
         ------

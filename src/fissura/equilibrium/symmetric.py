@@ -106,8 +106,10 @@ class SymmetricSolver:
         self._current = self._direct
         self._direct.factor(self._data, symmetric=True)
 
-    def solve(self, right: FloatArray) -> FloatArray:
+    def solve(self, right: FloatArray, tolerance: float | None = None) -> FloatArray:
         """Solve for one or more right-hand sides; (6 n,) or (6 n, k).
+
+        An iterative solver may be given a relative error in the energy norm, other than its own.
 
         Raises
         ------
@@ -115,10 +117,10 @@ class SymmetricSolver:
             The matrix is not positive definite.
         """
         try:
-            return self._current.solve(right)
+            return self._current.solve(right, tolerance)
         except SingularMatrixError as error:
             self._take_over(error)
-        return self._current.solve(right)
+        return self._current.solve(right, tolerance)
 
     def apply_with_product(self, right: FloatArray) -> tuple[FloatArray, FloatArray]:
         """One application of the preconditioner, and the matrix times its result; (6 n,) -> (6 n,) each.

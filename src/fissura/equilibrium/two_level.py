@@ -185,8 +185,8 @@ class TwoLevel:
         self.shift = self._smoother.share
         self._blocks = blocks
 
-    def solve(self, right: FloatArray) -> FloatArray:
-        """Solve for one right-hand side after another; (n,) or (n, k).
+    def solve(self, right: FloatArray, tolerance: float | None = None) -> FloatArray:
+        """Solve for one right-hand side after another, to another tolerance if one is given; (n,) or (n, k).
 
         Raises
         ------
@@ -200,7 +200,7 @@ class TwoLevel:
         for k, column in enumerate(columns.T):
             b = np.ascontiguousarray(column, dtype=np.float64).reshape(-1, 6)
             solution = np.empty_like(b)
-            solution[order] = self._solved(b[order])
+            solution[order] = self._solved(b[order], self.tolerance if tolerance is None else tolerance)
             found[:, k] = solution.ravel()
         return found.reshape(right.shape)
 
@@ -241,7 +241,7 @@ class TwoLevel:
         self._wide.add_sizes(u, size)
         return bool(np.all(np.abs(r) <= _ROUND_OFF * size))
 
-    def _solved(self, b: FloatArray) -> FloatArray:
+    def _solved(self, b: FloatArray, tolerance: float) -> FloatArray:
         u = np.zeros_like(b)
         r = b
         limit, error, left = None, np.inf, self.max_iterations
@@ -256,9 +256,9 @@ class TwoLevel:
             if not np.isfinite(energy + rho):
                 break
             if limit is None:
-                limit = self.tolerance**2 * (energy + rho)
-            error = self.tolerance * np.sqrt((abs(energy) + abs(rho)) / limit) if limit > 0.0 else 0.0
-            if error <= self.tolerance or (starts_left == 0 and self._as_good_as_direct(r, u, b)):
+                limit = tolerance**2 * (energy + rho)
+            error = tolerance * np.sqrt((abs(energy) + abs(rho)) / limit) if limit > 0.0 else 0.0
+            if error <= tolerance or (starts_left == 0 and self._as_good_as_direct(r, u, b)):
                 return u
             if starts_left == 0 or left == 0:
                 break

@@ -1,0 +1,127 @@
+"""Coarsening: what was refined, stayed undamaged and has unloaded goes back to coarse.
+
+The discretization is a function of the refined region, so coarsening is the same selection with a smaller region. It
+keeps every body of a damaged contact with a margin around it, so that no damaged contact changes: their facets are
+those of full resolution. Bodies whose stress is still high stay as well. A part that has to be refined again after it
+was given up stays for good, so that it cannot flicker.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.adaptivity.region import RefinedRegion
+from fissura.tessellation import Tessellation
+
+__all__ = ["Coarsening", "needed_contacts"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Steps between two changes of the discretization: a region that has just grown is still needed.
+_PAUSE = 3
+
+#: Least share of the fine bodies, and least number of bodies, that coarsening must save: a re-tessellation costs about
+#: as much as two steps.
+_SAVING, _FEWEST = 0.25, 100
+
+
+#: A contact has unloaded when its effective strain is below this share of its largest one.
+_UNLOADED = 0.9
+
+#: Share of the threshold that holds for contacts that have not unloaded: they may come to be needed.
+_RISING = 0.5
+
+
+def needed_contacts(
+    strain: FloatArray, history: FloatArray, utilisation: FloatArray, alpha: float, threshold: float
+) -> BoolArray:
+    """Contacts that must keep their bodies: damaged, highly stressed, or not unloaded yet.
+
+    Parameters
+    ----------
+    strain, history : (k, 3) arrays
+        Of the contacts with the damage law: ``e_N, e_M, e_L``, and damage, largest ``e_N``, largest ``e_T``.
+    utilisation : (k,) array
+        Effective traction over strength.
+    alpha : float
+        Tangential over normal stiffness.
+    threshold : float
+        Utilisation from which a contact counts as highly stressed.
+    """
+    now = np.maximum(strain[:, 0], 0.0) ** 2 + alpha * (strain[:, 1] ** 2 + strain[:, 2] ** 2)
+    largest = history[:, 1] ** 2 + alpha * history[:, 2] ** 2
+    rising = now >= _UNLOADED**2 * largest
+    return np.asarray((history[:, 0] > 0.0) | (utilisation > np.where(rising, _RISING, 1.0) * threshold))
+
+
+@dataclass(frozen=True)
+class Coarsening:
+    """Decides when a region shrinks, and to what.
+
+    Attributes
+    ----------
+    x : (N, 3) array
+        All fine nuclei of the specimen [m].
+    given_up : RefinedRegion or None
+        What was fine before the latest coarsening.
+    lasting : (k, 3) array
+        Critical centres in parts that had been given up before [m].
+    rest : int
+        Accepted steps since the discretization last changed.
+    """
+
+    x: FloatArray
+    given_up: RefinedRegion | None = None
+    lasting: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    rest: int = 0
+
+    def stepped(self) -> Coarsening:
+        """After an accepted step."""
+        return replace(self, rest=self.rest + 1)
+
+    def refined(self, centers: FloatArray) -> Coarsening:
+        """After a refinement around critical centres, shape (k, 3)."""
+        lasting = self.lasting
+        if self.given_up is not None:
+            again = centers[self.given_up.distance(centers) <= 0.0]
+            lasting = np.unique(np.concatenate([lasting, again]), axis=0)
+        return replace(self, lasting=lasting, rest=0)
+
+    def smaller(
+        self,
+        region: RefinedRegion,
+        tessellation: Tessellation,
+        active: IntArray,
+        needed: BoolArray,
+    ) -> RefinedRegion | None:
+        """The region that is still needed; None where it is not worth a change.
+
+        Parameters
+        ----------
+        region : RefinedRegion
+            What is fine now.
+        tessellation : Tessellation
+            The discretization.
+        active : (k,) int array
+            Contacts with the damage law.
+        needed : (k,) bool array
+            Which of them must keep their bodies.
+        """
+        fine = int(tessellation.fine.sum())
+        if self.rest < _PAUSE or fine <= _FEWEST:
+            return None
+        bodies = tessellation.contacts.bodies[active[needed]]
+        smaller = region.coarsened(tessellation.x[np.unique(bodies)], self.lasting)
+        left = int((smaller.distance(self.x) <= 0.0).sum())
+        if fine - left < max(_SAVING * fine, _FEWEST):
+            return None
+        return smaller
+
+    def coarsened(self, region: RefinedRegion) -> Coarsening:
+        """After the given region was given up for a smaller one."""
+        return replace(self, given_up=region, rest=0)
