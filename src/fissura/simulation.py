@@ -108,6 +108,9 @@ class Simulation:
         The current discretization.
     field : RandomField or None
         Relative strength as a function of position; None where it is the same everywhere.
+    cpu_repeated, cpu_refining : float
+        Processor time so far of solutions that were given up for a refinement, and of refinements: tessellation,
+        equations, and settling on them [s].
     """
 
     def __init__(self, case: Case, *, full: bool = False) -> None:
@@ -131,6 +134,7 @@ class Simulation:
         self.bodies_full = len(self._nuclei)
         self.bodies_start = len(self.tessellation)
         self.initial_stiffness = float("nan")
+        self.cpu_repeated = self.cpu_refining = 0.0
 
     @property
     def elastic_scale(self) -> float:
@@ -221,7 +225,7 @@ class Simulation:
         """One step with all its refinements; None when no equilibrium was found."""
         refinements = 0
         while True:
-            system = path.system
+            system, began = path.system, time.process_time()
             counted = system.factorizations
             try:
                 guess = self._guess(path, goal)
@@ -266,6 +270,7 @@ class Simulation:
                 )
             # Bodies that would be critical soon are taken along: re-tessellation costs more than a few bodies.
             soon = np.nan_to_num(criterion) > _AHEAD * self.case.adaptivity.gamma
+            solved = time.process_time()
             try:
                 self._refine(path, system.tessellation.x[soon], found.response.history)
             except (InputError, SingularMatrixError) as error:
@@ -273,6 +278,8 @@ class Simulation:
                     f"the refined discretization cannot be used: {error}", path.number + 1, path.now.value
                 ) from error
             path.factorizations += path.system.factorizations
+            self.cpu_repeated += solved - began
+            self.cpu_refining += time.process_time() - solved
         return self._accept(path, goal, found, criterion, utilisation, stress), found.iterations
 
     def _guess(self, path: _Path, goal: Goal) -> tuple[FloatArray, float]:
@@ -365,7 +372,8 @@ class Simulation:
     ) -> Step:
         system = path.system
         displacement = float(system.load @ found.response.u)
-        path.spent = float(system.dissipated(path.now.response, found.response).sum())
+        spent = system.dissipated(path.now.response, found.response)
+        path.spent = float(spent.sum())
         path.dissipated += path.spent
         path.in_energy = goal.in_energy
         path.work += 0.5 * (path.load + found.load) * (displacement - path.displacement)
@@ -393,6 +401,7 @@ class Simulation:
             residual=found.norms.force,
             snapshot=self._snapshot(system, found, criterion, stress),
             control=goal.control,
+            spent=spent,
         )
         path.iterations = path.linear_iterations = path.factorizations = path.refinements = path.coarsenings = 0
         return step

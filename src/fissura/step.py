@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +86,8 @@ class Step:
         The state.
     control : str
         What led in this step: "gauge", "displacement" or "dissipation".
+    spent : (m,) array
+        Energy that each contact of the snapshot dissipated in this step [J].
     """
 
     number: int
@@ -107,3 +109,4 @@ class Step:
     residual: float
     snapshot: Snapshot
     control: str = "gauge"
+    spent: FloatArray = field(default_factory=lambda: np.zeros(0))

@@ -1,0 +1,83 @@
+"""Studies: many adaptive runs against the same specimens at full resolution, and what they say together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fissura.study.plan import LoadedPlan, load_plan, plan_from_dict
+
+if TYPE_CHECKING:
+    from fissura.study.outcome import Outcome
+    from fissura.study.plan import Task
+    from fissura.study.record import Record
+
+__all__ = ["LoadedPlan", "load_plan", "plan_from_dict", "run_study", "write_outcome"]
+
+
+def run_study(
+    plan: LoadedPlan,
+    folder: str | Path,
+    *,
+    workers: int = 1,
+    again: Collection[str] = (),
+    run: bool = True,
+    on_done: Callable[[Task, Record, int], None] | None = None,
+) -> Outcome:
+    """Run what is left to do of a study, and compare all there is.
+
+    A run is done when the folder has a record of the very same case; runs at full resolution do not depend on
+    ``[adaptivity]`` and ``l_c``. Runs that did not finish are done, too, and are counted.
+
+    Parameters
+    ----------
+    plan : LoadedPlan
+        The study.
+    folder : path
+        Where records are kept; made if needed.
+    workers : int, optional
+        Processes that run at the same time.
+    again : collection of str, optional
+        Variations to run once more, for example after a change of the program; ``"full"`` and ``"failures"``, too.
+    run : bool, optional
+        False only compares what was done before.
+    on_done : callable, optional
+        Told of every run that was saved, and how many are left.
+
+    Raises
+    ------
+    InputError
+        A name in `again` is not known, or the folder cannot be written.
+    KeyboardInterrupt
+        The user interrupts; all finished runs are saved.
+    """
+    from fissura.api import prepare_folder
+    from fissura.study.outcome import outcome_of
+    from fissura.study.pool import run_tasks
+    from fissura.study.store import check_names, split
+
+    check_names(plan, again)
+    folder = prepare_folder(folder, overwrite=True)
+    tasks = list(plan.tasks())
+    done, left = split(tasks, folder, again)
+    if run and left:
+        count = len(left)
+
+        def told(task: Task, record: Record) -> None:
+            nonlocal count
+            count -= 1
+            if on_done is not None:
+                on_done(task, record, count)
+
+        run_tasks(left, folder, workers, told)
+        done, left = split(tasks, folder)
+    return outcome_of(plan.plan, done, len(left))
+
+
+def write_outcome(outcome: Outcome, folder: str | Path) -> list[Path]:
+    """Write tables and pictures of a study; returns the files."""
+    from fissura.study.pictures import draw
+    from fissura.study.report import write_tables
+
+    return [*write_tables(outcome, Path(folder)), *draw(outcome, Path(folder))]

@@ -1,0 +1,122 @@
+"""One run of a study, to its record."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from fissura.errors import FissuraError, InputError, RunStopped
+from fissura.study.record import Record
+
+if TYPE_CHECKING:
+    from fissura.results.curve import Row
+    from fissura.study.plan import Task
+
+__all__ = ["execute", "warm_up"]
+
+
+def execute(task: Task, interrupted: Callable[[], bool] = lambda: False) -> Record:
+    """Run a task; whatever goes wrong in it becomes part of the record.
+
+    Processor times are those of building the simulation and of its steps; observing them is left out.
+
+    Parameters
+    ----------
+    task : Task
+        What to run.
+    interrupted : callable, optional
+        Asked after every step whether to give up.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        It said so, or the user did.
+    """
+    from fissura.check import require_memory
+    from fissura.results.curve import columns, row
+    from fissura.results.summary import build_summary
+    from fissura.simulation import Simulation
+    from fissura.study.indicators import Observer
+
+    case = task.case.model_dump(mode="json", exclude={"source"})
+    head: dict[str, Any] = {
+        "specimen": task.specimen,
+        "seed": task.seed,
+        "variation": task.variation,
+        "case": case,
+    }
+    rows: list[Row] = []
+    cpu, wall = time.process_time(), time.perf_counter()
+    aside_cpu = aside_wall = 0.0
+    simulation, observer = None, None
+    status, message = "finished", ""
+    try:
+        require_memory(task.case, full=task.full)
+        simulation = Simulation(task.case, full=task.full)
+        observer = Observer(task.case, full=task.full)
+        for step in simulation.steps():
+            seen_cpu, seen_wall = time.process_time(), time.perf_counter()
+            rows.append(row(step, seen_cpu - cpu - aside_cpu, seen_wall - wall - aside_wall))
+            observer.add(step, simulation.elastic_scale)
+            aside_cpu += time.process_time() - seen_cpu
+            aside_wall += time.perf_counter() - seen_wall
+            if interrupted():
+                raise KeyboardInterrupt
+    except RunStopped as error:
+        status, message = "stopped", str(error)
+    except InputError as error:
+        status, message = "refused", str(error)
+    except MemoryError:
+        status, message = "stopped", "out of memory"
+    except Exception as error:  # a study goes on, whatever one of its runs meets
+        status, message = "failed", "".join(traceback.format_exception(error))
+    if simulation is None or observer is None or not rows:
+        return Record(**head, status="failed" if status == "finished" else status, message=message or "has no steps")
+    curve = columns(rows)
+    summary = build_summary(
+        simulation,
+        curve,
+        status=status,
+        message=message,
+        cpu_s=time.process_time() - cpu - aside_cpu,
+        wall_s=time.perf_counter() - wall - aside_wall,
+    )
+    summary |= {"cpu_repeated_s": simulation.cpu_repeated, "cpu_refining_s": simulation.cpu_refining}
+    return Record(
+        **head,
+        status=status,
+        message=message,
+        summary=summary,
+        curve=curve,
+        energies=observer.energies(),
+        indicators=observer.indicators(),
+    )
+
+
+def warm_up() -> None:
+    """Load all kernels, so that the first run of a process is not charged with it."""
+    from fissura.case import case_from_dict
+    from fissura.study.plan import FULL, Task
+
+    beam: dict[str, Any] = {
+        "specimen": {"size": [0.14, 0.04, 0.02]},
+        "notch": {"face": "bottom", "position": 0.07, "depth": 0.01},
+        "supports": [
+            {"type": "pin", "face": "bottom", "at": 0.02},
+            {"type": "roller", "face": "bottom", "at": 0.12},
+        ],
+        "load": {"face": "top", "at": 0.07},
+        "gauge": {"a": {"face": "bottom", "at": 0.065}, "b": {"face": "bottom", "at": 0.075}},
+        "material": {"E": 60e9, "alpha": 0.29, "f_t": 2.2e6, "G_t": 35.0},
+        "discretization": {"l_f": 0.01, "l_c": 0.02},
+        "adaptivity": {"r_f": 0.01, "r_c": 0.02, "notch_tips": False},
+        "control": {"target": 4e-5, "type": "dissipation", "stop_load": 0.8},
+    }
+    for solver in ("direct", "two-level"):
+        case = case_from_dict({**beam, "solver": {"linear": solver}})
+        for variation in (FULL, "default"):
+            record = execute(Task("warm-up", 1, variation, case))
+            if record.status == "failed":
+                raise FissuraError(f"a tiny beam cannot be run: {record.message}")

@@ -1,0 +1,164 @@
+"""What a run can tell about its own error, without a run at full resolution.
+
+All indicators look at the elastic part, which stands for material that could be damaged, or at its border:
+
+``utilisation``
+    Largest effective traction over strength of elastic contacts.
+``border_utilisation``
+    The same, of those elastic contacts that have a fine body.
+``border_stress``
+    Largest principal stress over tensile strength of coarse bodies that touch a fine one.
+``strained_50``, ``strained_70``
+    Elastic energy of the elastic contacts above 0.5 (0.7) of their strength, over all energy, stored and dissipated.
+``border_1``, ``border_2``
+    Energy that contacts dissipated while they were near the border, over all energy, stored and dissipated. Near are
+    fine contacts with a body that touches a coarse one, or with one that touches such a body (a body is about 1.25
+    ``l_f`` thick).
+``balance``
+    Work that is neither stored nor dissipated, over all work. A refinement changes the elastic structure under load,
+    which neither counts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.contact import CusatisCedolin, law_from_case
+from fissura.material import Regions, elastic_from_case, material_from_case
+from fissura.study.record import Energies
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+    from fissura.step import Snapshot, Step
+    from fissura.tessellation import Tessellation
+
+__all__ = ["INDICATORS", "Observer"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Names of all indicators.
+INDICATORS = (
+    "utilisation",
+    "border_utilisation",
+    "border_stress",
+    "strained_50",
+    "strained_70",
+    "border_1",
+    "border_2",
+    "balance",
+)
+
+
+@dataclass(frozen=True)
+class _Zones:
+    """Parts of one discretization.
+
+    Attributes
+    ----------
+    elastic : (e,) array
+        Coarse contacts that could be damaged at full resolution.
+    at_border : (e,) bool array
+        Those of them with a fine body.
+    coarse_border : (b,) array
+        Coarse bodies that touch a fine one.
+    outer : list of two (m,) bool arrays
+        Fine contacts within one and two bodies from the border.
+    law : CusatisCedolin
+        Their law, for its strength.
+    """
+
+    elastic: IntArray
+    at_border: BoolArray
+    coarse_border: IntArray
+    outer: tuple[BoolArray, BoolArray]
+    law: CusatisCedolin
+
+    @classmethod
+    def of(cls, tessellation: Tessellation, regions: Regions, case: Case) -> _Zones:
+        contacts, fine = tessellation.contacts, tessellation.fine
+        elastic = np.flatnonzero(~contacts.fine & ~regions.contains(contacts.centroid))
+        mixed = fine[contacts.bodies].any(axis=1) & ~contacts.fine
+        touched = np.unique(contacts.bodies[mixed])
+        first = np.zeros(len(tessellation), dtype=np.bool_)
+        first[touched] = True
+        near = first[contacts.bodies].any(axis=1) & contacts.fine
+        second = first.copy()
+        second[contacts.bodies[near]] = True
+        nearer = second[contacts.bodies].any(axis=1) & contacts.fine
+        # Lengths do not matter for strength, but must be such that the law may soften.
+        lengths = np.full(len(elastic), float(contacts.length.min()))
+        law = law_from_case(case).create(material_from_case(case), lengths)
+        return cls(elastic, mixed[elastic], touched[~fine[touched]], (near, nearer), law)
+
+
+class Observer:
+    """Collects indicators and the energy of contacts, step by step.
+
+    Parameters
+    ----------
+    case : Case
+        What is run.
+    full : bool
+        Whether at full resolution, where there are no indicators.
+    """
+
+    def __init__(self, case: Case, *, full: bool) -> None:
+        self._case, self._full = case, full
+        self._regions = elastic_from_case(case)
+        self._at: Tessellation | None = None
+        self._zones: _Zones | None = None
+        self._spent: list[tuple[IntArray, FloatArray, FloatArray]] = []
+        self._rows: list[list[float]] = []
+        self._outer = np.zeros(2)
+
+    def add(self, step: Step, elastic_scale: float) -> None:
+        """Take note of an accepted step; `elastic_scale` is the factor on the stiffness of coarse contacts."""
+        tessellation = step.snapshot.tessellation
+        contacts = tessellation.contacts
+        # Without damage there is round-off only.
+        spent = np.where(step.snapshot.damage > 0.0, step.spent, 0.0)
+        spending = np.flatnonzero(spent > 0.0)
+        pairs = np.sort(tessellation.nucleus[contacts.bodies[spending]], axis=1)
+        self._spent.append((pairs, spent[spending], contacts.centroid[spending]))
+        if self._full:
+            return
+        if self._zones is None or tessellation is not self._at:
+            self._at, self._zones = tessellation, _Zones.of(tessellation, self._regions, self._case)
+        self._outer += [float(spent[outer].sum()) for outer in self._zones.outer]
+        self._rows.append(self._values(step, step.snapshot, self._zones, elastic_scale))
+
+    def _values(self, step: Step, shot: Snapshot, zones: _Zones, elastic_scale: float) -> list[float]:
+        utilisation = zones.law.utilisation(elastic_scale * shot.strain[zones.elastic])
+        contacts = shot.tessellation.contacts
+        energy = 0.5 * contacts.area * contacts.length * np.einsum("ca,ca->c", shot.traction, shot.strain)
+        energy, spent = energy[zones.elastic], max(step.stored + step.dissipated, 1e-300)
+        stress = np.linalg.eigvalsh(shot.stress[zones.coarse_border])[:, -1]
+        return [
+            step.max_elastic_utilisation,
+            float(utilisation[zones.at_border].max(initial=0.0)),
+            float(stress.max(initial=0.0)) / self._case.material.f_t,
+            float(energy[utilisation > 0.5].sum()) / spent,
+            float(energy[utilisation > 0.7].sum()) / spent,
+            *(self._outer / spent),
+            abs(step.work - step.stored - step.dissipated) / max(abs(step.work), 1e-300),
+        ]
+
+    def energies(self) -> Energies:
+        """Energy dissipated so far, by contact."""
+        if not self._spent:
+            return Energies()
+        pairs, energy, centroid = (np.concatenate(parts) for parts in zip(*self._spent, strict=True))
+        return Energies.summed(pairs, energy, centroid)
+
+    def indicators(self) -> dict[str, FloatArray]:
+        """Values of every indicator after every step, shape (steps,) each; none at full resolution."""
+        if self._full:
+            return {}
+        values = np.array(self._rows).reshape(-1, len(INDICATORS))
+        return {name: values[:, k].copy() for k, name in enumerate(INDICATORS)}

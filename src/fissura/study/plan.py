@@ -1,0 +1,239 @@
+"""What a study runs: specimens, seeds and variations of parameters, read from a TOML file."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from fissura.case import Case, case_from_dict
+from fissura.case.report import input_error
+from fissura.case.types import Count, Fraction, fail
+from fissura.errors import InputError
+
+__all__ = ["FULL", "Limits", "Plan", "SpecimenEntry", "Task", "Variation", "load_plan", "merged", "plan_from_dict"]
+
+FULL = "full"
+"""Name of the run at full resolution, next to those of variations."""
+
+#: Tables of a case that a variation may change; full resolution depends on nothing in them but the two fixed keys.
+_VARIED = ("adaptivity", "discretization", "solver")
+_FIXED = (("discretization", "l_f"), ("discretization", "nuclei"))
+
+_ALLOWED = "a study file (TOML, UTF-8)"
+_NAME = 'up to 60 characters: letters, digits and any of "_ + - . = , %" and blanks'
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+Names = tuple[str, ...]
+Seeds = tuple[Count, ...]
+
+
+class Limits(_Part):
+    """Errors below which a run counts as right, as fractions; 0.01 is 1 per cent."""
+
+    load: Fraction = 0.01
+    peak: Fraction = 0.01
+    energy: Fraction = 0.01
+
+
+class SpecimenEntry(_Part):
+    """A specimen: a case file, and what is different from it."""
+
+    name: str = Field(description="the name of the specimen")
+    case: str = Field(description="the path of a case file, relative to the study")
+    type: str = Field(default="", description="the kind of specimen, by which results are gathered")
+    change: dict[str, Any] = {}
+    seeds: Seeds | None = None
+    limits: Limits = Limits()
+
+
+class Variation(_Part):
+    """A choice of the parameters of adaptivity, with which every specimen is run."""
+
+    name: str = Field(description="the name of the variation")
+    change: dict[str, Any] = {}
+    seeds: Seeds | None = None
+    specimens: Names | None = None
+
+
+class Plan(_Part):
+    """A whole study.
+
+    Attributes
+    ----------
+    name : str
+        Title of its tables.
+    seeds : tuple of int
+        Seeds of every specimen that has none of its own.
+    specimens : tuple of SpecimenEntry
+    variations : tuple of Variation
+        A variation is run with the seeds of a specimen that are among its own, if it has any.
+    """
+
+    name: str = "study"
+    seeds: Annotated[Seeds, Field(min_length=1)] = (1,)
+    specimens: tuple[SpecimenEntry, ...] = Field(description="at least one table [[specimens]] with name and case")
+    variations: tuple[Variation, ...] = (Variation(name="default"),)
+
+    @model_validator(mode="after")
+    def _names(self) -> Self:
+        for key, names in (
+            ("specimens", [entry.name for entry in self.specimens]),
+            ("variations", [entry.name for entry in self.variations]),
+        ):
+            if not names:
+                fail("the list is empty", f"at least one table [[{key}]]", key)
+            for k, name in enumerate(names):
+                if not re.fullmatch(r"\w[\w +\-.=,%]{0,59}", name) or name.endswith((" ", ".")):
+                    fail(f"{name!r} cannot name a file", _NAME, f"{key}.{k}.name")
+                if name in names[:k]:
+                    fail(f"{name!r} is the name of two", "a name of its own for each", f"{key}.{k}.name")
+                if name == FULL:
+                    fail(f"{name!r} is the name of the run at full resolution", "another name", f"{key}.{k}.name")
+        known = [entry.name for entry in self.specimens]
+        for k, variation in enumerate(self.variations):
+            for name in variation.specimens or ():
+                if name not in known:
+                    fail(f"{name!r} is not known", ", ".join(known), f"variations.{k}.specimens")
+            for table, value in variation.change.items():
+                if table not in _VARIED or not isinstance(value, Mapping):
+                    fail("changes the specimen", f"keys of {', '.join(_VARIED)}", f"variations.{k}.change.{table}")
+            for table, key in _FIXED:
+                if key in variation.change.get(table, {}):
+                    problem = "changes the run at full resolution, too"
+                    fail(problem, "another specimen with this change", f"variations.{k}.change.{table}.{key}")
+        return self
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run of a study.
+
+    Attributes
+    ----------
+    specimen, variation : str
+        Names; the variation of the run at full resolution is `FULL`.
+    seed : int
+    case : Case
+        What to run.
+    """
+
+    specimen: str
+    seed: int
+    variation: str
+    case: Case
+
+    @property
+    def full(self) -> bool:
+        """Whether it is the run at full resolution."""
+        return self.variation == FULL
+
+    @property
+    def path(self) -> Path:
+        """Where its record lies in the folder of the study."""
+        return Path("runs") / self.specimen / f"seed{self.seed:04d}" / f"{self.variation.replace(' ', '_')}.npz"
+
+    def __str__(self) -> str:
+        return f"{self.specimen}, seed {self.seed}, {self.variation}"
+
+
+@dataclass(frozen=True)
+class LoadedPlan:
+    """A plan with the cases it means.
+
+    Attributes
+    ----------
+    plan : Plan
+    cases : dict of (str, str) to Case
+        Cases by names of specimen and variation, seeds not yet put in.
+    """
+
+    plan: Plan
+    cases: dict[tuple[str, str], Case]
+
+    def tasks(self) -> Iterator[Task]:
+        """All runs, seed by seed; full resolution comes before the runs that are compared with it."""
+        plan = self.plan
+        of = {entry.name: entry.seeds or plan.seeds for entry in plan.specimens}
+        for seed in dict.fromkeys(seed for seeds in of.values() for seed in seeds):
+            for entry in plan.specimens:
+                if seed not in of[entry.name]:
+                    continue
+                names = [v.name for v in plan.variations if _applies(v, entry.name, seed)]
+                for name in [FULL, *names] if names else []:
+                    case = self.cases[entry.name, name].model_copy(update={"seed": seed})
+                    yield Task(entry.name, seed, name, case)
+
+
+def _applies(variation: Variation, specimen: str, seed: int) -> bool:
+    named = variation.specimens is None or specimen in variation.specimens
+    return named and (variation.seeds is None or seed in variation.seeds)
+
+
+def load_plan(path: str | Path) -> LoadedPlan:
+    """Read and validate a study file, and all cases in it.
+
+    Parameters
+    ----------
+    path : path
+        TOML file, UTF-8; case files are relative to its folder.
+
+    Raises
+    ------
+    InputError
+        The file or a case file cannot be read, or anything in them is wrong.
+    """
+    path = Path(path)
+    return plan_from_dict(_read(path), path.parent)
+
+
+def plan_from_dict(data: Mapping[str, Any], folder: str | Path = ".") -> LoadedPlan:
+    """Validate a study given as nested dictionaries; see `load_plan`."""
+    try:
+        plan = Plan.model_validate(dict(data))
+    except ValidationError as error:
+        raise input_error(error, Plan, data) from None
+    cases = {}
+    for k, entry in enumerate(plan.specimens):
+        path = Path(folder) / entry.case
+        base = merged(_read(path), entry.change)
+        base = merged({**base, "name": entry.name}, {"output": {"vtk": 0}})
+        for name, change, key in [
+            (FULL, {}, f"specimens[{k}]"),
+            *((v.name, v.change, f"variations[{j}] on specimens[{k}]") for j, v in enumerate(plan.variations)),
+        ]:
+            try:
+                cases[entry.name, name] = case_from_dict(merged(base, change), path.parent)
+            except InputError as error:
+                where = f"{key} ({entry.name}{'' if name == FULL else ', ' + name}): {error.key}"
+                raise InputError(where, error.problem, error.allowed) from None
+    return LoadedPlan(plan, cases)
+
+
+def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables of a case with some keys changed; a table is changed key by key, everything else is replaced."""
+    new = dict(base)
+    for key, value in change.items():
+        old = new.get(key)
+        new[key] = merged(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
+    return new
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise InputError(str(path), "no such file", _ALLOWED) from None
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read: {error.strerror}", _ALLOWED) from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(str(path), f"is not TOML: {error}", _ALLOWED) from None
