@@ -63,6 +63,8 @@ def run_study(
     done, left = split(tasks, folder, again)
     if run and left:
         count = len(left)
+        for task in left:  # what is to be run again must not count as done after an interruption
+            (folder / task.path).unlink(missing_ok=True)
 
         def told(task: Task, record: Record) -> None:
             nonlocal count

@@ -145,7 +145,7 @@ class Record:
         """
         key, allowed = str(path), f"a {FORMAT} file of version 1 to {FORMAT_VERSION}"
         try:
-            with np.load(path, allow_pickle=False) as archive:
+            with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as archive:
                 arrays = {name: archive[name] for name in archive.files}
             head = json.loads(str(arrays["head"]))
             right = str(arrays["format"]) == FORMAT and int(arrays["format_version"]) <= FORMAT_VERSION

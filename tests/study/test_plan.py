@@ -1,0 +1,106 @@
+from pathlib import Path
+
+import pytest
+
+from fissura.errors import InputError
+from fissura.study.plan import FULL, load_plan, merged
+
+from .models import STUDY, write_study
+
+BENCHMARK = Path(__file__).parents[2] / "benchmarks" / "study.toml"
+
+
+def test_tasks_are_the_seeds_that_specimen_and_variation_share(study):
+    tasks = [(t.seed, t.specimen, t.variation) for t in load_plan(study).tasks()]
+    assert tasks == [
+        (1, "beam", FULL),
+        (1, "beam", "default"),
+        (1, "deep", FULL),
+        (1, "deep", "default"),
+        (2, "beam", FULL),
+        (2, "beam", "default"),
+        (2, "beam", "wide"),
+    ]
+
+
+def test_changes_arrive_in_the_cases(study):
+    plan = load_plan(study)
+    assert plan.cases["deep", "wide"].notch[0].depth == 0.025
+    assert plan.cases["deep", "wide"].adaptivity.r_f == 0.02
+    assert plan.cases["beam", "default"].notch[0].depth == 0.02
+    assert plan.cases["beam", "default"].adaptivity.r_f == 0.015
+    assert {task.case.seed for task in plan.tasks()} == {1, 2}
+    assert all(case.output.vtk == 0 for case in plan.cases.values())
+
+
+def test_a_study_without_variations_has_the_default_one(tmp_path):
+    text = STUDY.split("[[variations]]")[0]
+    assert {t.variation for t in load_plan(write_study(tmp_path, text)).tasks()} == {FULL, "default"}
+
+
+def test_no_run_at_full_resolution_without_one_to_compare(tmp_path):
+    text = STUDY.replace('[[variations]]\nname = "default"\n', "")
+    assert {(t.specimen, t.seed) for t in load_plan(write_study(tmp_path, text)).tasks()} == {("beam", 2)}
+
+
+def test_merged_changes_tables_key_by_key_and_replaces_all_else():
+    base = {"a": {"b": 1, "c": {"d": 2}}, "e": [1, 2]}
+    assert merged(base, {"a": {"c": {"f": 3}}, "e": [4]}) == {"a": {"b": 1, "c": {"d": 2, "f": 3}}, "e": [4]}
+    assert merged(base, {"a": []}) == {"a": [], "e": [1, 2]}
+    assert base == {"a": {"b": 1, "c": {"d": 2}}, "e": [1, 2]}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "said"),
+    [
+        ("seeds = [1, 2]", "seeds = [1, -2]", "seeds[1]", "too small"),
+        ("seeds = [1, 2]", "seeds = []", "seeds", "at least 1"),
+        ("seeds = [1, 2]", "sedes = [1, 2]", "sedes", "did you mean seeds"),
+        ('name = "beam"\n', "", "specimens[0].name", "missing"),
+        ('name = "deep"', 'name = "beam"', "specimens[1].name", "name of two"),
+        ('name = "deep"', 'name = "a/b"', "specimens[1].name", "cannot name a file"),
+        ('name = "deep"', 'name = ".."', "specimens[1].name", "cannot name a file"),
+        ('name = "wide"', 'name = "full"', "variations[1].name", "full resolution"),
+        ("seeds = [2, 3]", 'specimens = ["bean"]', "variations[1].specimens", "'bean' is not known"),
+        ("adaptivity.r_f", "material.E", "variations[1].change.material", "adaptivity, discretization, solver"),
+        ("adaptivity.r_f", "discretization.l_f", "variations[1].change.discretization.l_f", "full resolution"),
+        ('"20 mm"', '"20 kg"', "variations[1] on specimens[0] (beam, wide): adaptivity.r_f", "kg"),
+        ('"25 mm"', '"-1 mm"', "specimens[1] (deep): notch.depth", "negative"),
+        ("change.notch", "change.notsch", "specimens[1] (deep): notsch", "did you mean notch"),
+    ],
+)
+def test_errors_name_the_key(tmp_path, old, new, key, said):
+    assert old in STUDY
+    with pytest.raises(InputError) as caught:
+        load_plan(write_study(tmp_path, STUDY.replace(old, new)))
+    assert caught.value.key == key
+    assert said in str(caught.value)
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    for path, text, problem in (
+        (tmp_path / "no.toml", None, "no such file"),
+        (tmp_path / "bad.toml", "seeds = ", "not TOML"),
+        (tmp_path, None, "cannot be read"),
+    ):
+        if text is not None:
+            path.write_text(text)
+        with pytest.raises(InputError) as caught:
+            load_plan(path)
+        assert problem in caught.value.problem
+    study = write_study(tmp_path, STUDY.replace("beam.toml", "bean.toml"))
+    with pytest.raises(InputError, match=r"bean\.toml: no such file"):
+        load_plan(study)
+
+
+def test_the_study_of_the_benchmarks_is_valid():
+    plan = load_plan(BENCHMARK)
+    assert {entry.type for entry in plan.plan.specimens} == {
+        "half-notched beam",
+        "0.2-notched beam",
+        "unnotched beam",
+        "tension prism",
+    }
+    paths = [task.path for task in plan.tasks()]
+    assert len(set(paths)) == len(paths) > 100
+    assert plan.cases["unnotched_d200", FULL].notch == ()

@@ -1,0 +1,197 @@
+import csv
+import os
+import signal
+import subprocess
+import sys
+from importlib import import_module
+
+import pytest
+from typer.testing import CliRunner
+
+from fissura.cli import app
+from fissura.errors import InputError
+from fissura.study import load_plan, plan_from_dict, run_study, write_outcome
+from fissura.study.plan import FULL
+from fissura.study.record import Record
+
+from .models import STUDY, write_study
+
+ONE = STUDY.replace("seeds = [1, 2]", "seeds = [1]").split('[[specimens]]\nname = "deep"')[0]
+#: One specimen and seed; the second variation is refused, as its coarse start cannot be calibrated.
+REFUSED = (
+    ONE
+    + """
+[[variations]]
+name = "default"
+[[variations]]
+name = "gone"
+change.adaptivity.criterion = "guess"
+"""
+)
+
+
+def names(done):
+    return [task.variation for task, _, _ in done]
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A study that has run to its end: the plan's file, its folder, its outcome, and what was told on the way."""
+    folder = tmp_path_factory.mktemp("study")
+    path, done = write_study(folder, REFUSED), []
+    outcome = run_study(load_plan(path), folder / "out", on_done=lambda *told: done.append(told))
+    return path, folder / "out", outcome, done
+
+
+def test_every_run_is_saved_and_told(finished):
+    path, folder, outcome, done = finished
+    assert names(done) == [FULL, "default", "gone"]
+    assert [left for _, _, left in done] == [2, 1, 0]
+    assert all((folder / task.path).exists() for task in load_plan(path).tasks())
+    assert outcome.left == 0
+
+
+def test_failures_are_kept_and_counted(finished):
+    _, folder, outcome, _ = finished
+    good, bad = outcome.found
+    assert good.finished
+    assert good.compared
+    assert (bad.variation, bad.end, bad.compared) == ("gone", "refused", False)
+    assert "adaptivity.criterion" in bad.message
+    kept = Record.load(folder / "runs" / "beam" / "seed0001" / "gone.npz")
+    assert (kept.status, kept.steps) == ("refused", 0)
+    text = (write_outcome(outcome, folder), (folder / "study.md").read_text())[1]
+    assert "2 adaptive runs, 1 of which did not finish" in text
+    assert "adaptive refused, full target" in text
+
+
+def test_what_is_done_is_not_run_again(finished):
+    path, folder, first, _ = finished
+    again = run_study(load_plan(path), folder, on_done=lambda *_: pytest.fail("was run again"))
+    assert [m.row() for m in again.found if m.compared] == [m.row() for m in first.found if m.compared]
+    shown = run_study(load_plan(path), folder, again=["default"], run=False)
+    assert (len(shown.found), shown.left) == (1, 1)
+
+
+def test_only_what_changed_is_run_again(finished, tmp_path):
+    path, folder, _, _ = finished
+    for text, expected in (
+        (REFUSED.replace('"guess"', '"utilisation"'), ["gone"]),
+        (REFUSED.replace("seeds = [1]", "seeds = [1, 2]"), [FULL, "default", "gone"]),
+        (REFUSED, []),
+    ):
+        changed = load_plan(write_study(tmp_path, text))
+        left = []
+        module = import_module("fissura.study.store")
+        left = [task.variation for task in module.split(changed.tasks(), folder)[1]]
+        assert left == expected
+    module = import_module("fissura.study.store")
+    tasks = list(load_plan(path).tasks())
+    assert [t.variation for t in module.split(tasks, folder, ["failures"])[1]] == ["gone"]
+    assert [t.variation for t in module.split(tasks, folder, [FULL])[1]] == [FULL]
+    with pytest.raises(InputError, match="'defualt' is not known"):
+        run_study(load_plan(path), folder, again=["defualt"])
+
+
+def test_tables(finished):
+    _, folder, outcome, _ = finished
+    paths = write_outcome(outcome, folder)
+    assert {path.name for path in paths} >= {"runs.csv", "study.md", "errors.png"}
+    with (folder / "runs.csv").open() as file:
+        good, bad = csv.DictReader(file)
+    found = outcome.found[0]
+    assert float(good["load"]) == pytest.approx(found.load, rel=1e-6)
+    assert float(good["indicator_utilisation"]) == pytest.approx(found.indicators["utilisation"], rel=1e-6)
+    assert (bad["load"], bad["end"]) == ("", "refused")
+
+
+def test_an_interrupted_study_goes_on(tmp_path):
+    plan = load_plan(write_study(tmp_path, ONE))
+    plan = plan_from_dict({**plan.plan.model_dump(), "variations": [{"name": "default"}]}, tmp_path)
+
+    def interrupt(task, record, left):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_study(plan, tmp_path / "out", on_done=interrupt)
+    done = []
+    outcome = run_study(plan, tmp_path / "out", on_done=lambda *told: done.append(told))
+    assert names(done) == ["default"]
+    assert outcome.left == 0
+    broken = next((tmp_path / "out").rglob("default.npz"))
+    broken.write_bytes(b"half a file")
+    run_study(plan, tmp_path / "out", on_done=lambda *told: done.append(told))
+    assert names(done) == ["default", "default"]
+
+
+def test_an_unexpected_error_fails_one_run_only(tmp_path, monkeypatch):
+    module = import_module("fissura.simulation")
+
+    class Broken(module.Simulation):
+        def steps(self):
+            if not self.full:
+                raise ZeroDivisionError("nobody thought of this")
+            yield from super().steps()
+
+    monkeypatch.setattr(import_module("fissura.study.pool"), "warm_up", lambda: None)
+    monkeypatch.setattr(module, "Simulation", Broken)
+    plan = load_plan(write_study(tmp_path, ONE))
+    plan = plan_from_dict({**plan.plan.model_dump(), "variations": [{"name": "default"}]}, tmp_path)
+    (found,) = run_study(plan, tmp_path / "out").found
+    assert (found.end, found.end_full) == ("failed", "target")
+    assert found.message == "ZeroDivisionError: nobody thought of this"
+
+
+# The command
+
+
+def call(*arguments):
+    return CliRunner().invoke(app, ["study", *map(str, arguments)])
+
+
+def test_command_reports(finished):
+    path, folder, _, _ = finished
+    done = call(path, "--output", folder, "--report")
+    assert done.exit_code == 0, done.output
+    assert "2, 1 of which did not finish" in done.stdout
+
+
+def test_command_names_what_is_wrong(tmp_path):
+    done = call(write_study(tmp_path, STUDY.replace("seeds", "sedes", 1)))
+    assert done.exit_code == 2
+    assert done.stderr.startswith("error: sedes: unknown key")
+    assert len(done.stderr.splitlines()) == 1
+    done = call(write_study(tmp_path), "--again", "nothing", "--output", tmp_path / "out")
+    assert done.exit_code == 2
+    assert "--again: 'nothing' is not known" in done.stderr
+
+
+def test_command_interrupted(tmp_path, monkeypatch):
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(import_module("fissura.study.pool"), "run_tasks", interrupt)
+    done = call(write_study(tmp_path), "--output", tmp_path / "out")
+    assert done.exit_code == 130
+    assert "the same command goes on" in done.stderr
+
+
+@pytest.mark.slow
+def test_processes_give_the_same_results_and_can_be_interrupted(finished, tmp_path):
+    _, folder, _, _ = finished
+    write_study(tmp_path, REFUSED)
+    start = [sys.executable, "-m", "fissura", "study", "study.toml", "--output", "out", "--workers", "2"]
+    running = subprocess.Popen(start, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    assert running.stderr is not None
+    first = running.stderr.readline()
+    assert "finished" in first or "refused" in first
+    os.killpg(running.pid, signal.SIGINT)
+    assert running.wait(60) == 130
+    saved = {p.name for p in (tmp_path / "out").rglob("*.npz")}
+    assert saved
+    done = subprocess.run(start, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=True)
+    assert len(done.stderr.splitlines()) == 3 - len(saved)
+    for name in ("full", "default"):
+        a, b = (Record.load(f / "runs" / "beam" / "seed0001" / f"{name}.npz") for f in (folder, tmp_path / "out"))
+        assert list(a.curve["load_N"]) == list(b.curve["load_N"])
+        assert list(a.energies.energy) == list(b.energies.energy)
