@@ -181,12 +181,12 @@ def test_processes_give_the_same_results_and_can_be_interrupted(finished, tmp_pa
     _, folder, _, _ = finished
     write_study(tmp_path, REFUSED)
     start = [sys.executable, "-m", "fissura", "study", "study.toml", "--output", "out", "--workers", "2"]
-    running = subprocess.Popen(start, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    assert running.stderr is not None
-    first = running.stderr.readline()
-    assert "finished" in first or "refused" in first
-    os.killpg(running.pid, signal.SIGINT)
-    assert running.wait(60) == 130
+    with subprocess.Popen(start, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True) as running:
+        assert running.stderr is not None
+        first = running.stderr.readline()
+        assert "finished" in first or "refused" in first
+        os.killpg(running.pid, signal.SIGINT)
+        assert running.wait(60) == 130
     saved = {p.name for p in (tmp_path / "out").rglob("*.npz")}
     assert saved
     done = subprocess.run(start, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=True)
