@@ -198,7 +198,8 @@ def plot_indicators(outcome: Outcome, path: Path) -> bool:
         axes.set_ylim(FLOOR / 1.5, 2.0 * max(max(100 * m.load, FLOOR) for m in found))
         plain(axes.yaxis)
         tidy(axes)
-        axes.set_title(f"{name.replace('_', ' ')}, ρ = {known[name].rank:.2f}", fontsize=9.5, loc="left", color=INK)
+        rank = "" if math.isnan(known[name].rank) else f", ρ = {known[name].rank:.2f}"
+        axes.set_title(f"{name.replace('_', ' ')}{rank}", fontsize=9.5, loc="left", color=INK)
     for axes in grid[:, 0]:
         axes.set_ylabel("largest load difference [%]")
     handles = [

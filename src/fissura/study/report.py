@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -39,7 +40,8 @@ Each row has the median over seeds, and in brackets the worst: the largest size,
 processor times the smallest. Differences are per cent of the value at full resolution (load: of its peak). *Load* is
 the largest difference over the whole curve. *On the crack*: share of the dissipated energy within `l_f` of the crack at
 full resolution, over the share that full resolution itself has. *Overlap*: energy dissipated by both in the same
-contacts. *Elastic utilisation*: largest traction over strength in contacts without damage law.
+contacts. *Elastic utilisation*: largest traction over strength in contacts without damage law. *Runs* that ended
+otherwise than at their target are counted by what ended them; `load`: it had fallen to `control.stop_load`.
 """
 
 _ESTIMATES = """\
@@ -95,6 +97,7 @@ def summary_rows(outcome: Outcome, found: Sequence[Measures]) -> list[dict[str, 
 def _summary(outcome: Outcome, specimen: str, runs: list[Measures]) -> dict[str, str]:
     limits = outcome.specimen(specimen).limits
     usable = [m for m in runs if m.compared]
+    ends = [m.end for m in runs if m.end != "target"]
 
     def per_cent(key: str) -> str:
         of = spread(100 * getattr(m, key) for m in usable)
@@ -110,7 +113,7 @@ def _summary(outcome: Outcome, specimen: str, runs: list[Measures]) -> dict[str,
     cpu, cpu_full = spread(m.cpu for m in usable), spread(m.cpu_full for m in usable)
     repeated, refining = (spread(100 * getattr(m, key) for m in usable).median for key in ("repeated", "refining"))
     return {
-        "runs": f"{len(runs)}",
+        "runs": f"{len(runs)}" + "".join(f", {end} {count}" for end, count in Counter(ends).items()),
         "right": f"{sum(not fails(m, limits) for m in runs)}",
         **{key: per_cent(key) for key in ("load", "peak", "energy", "stiffness")},
         "crack": _pair(crack.median, crack.worst, ".1f", ".1f"),
