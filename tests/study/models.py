@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fissura.results.curve import COLUMNS, columns
-from fissura.study.indicators import INDICATORS
+from fissura.study.indicators import OBSERVED
 from fissura.study.plan import FULL
 from fissura.study.record import Energies, Record
 
@@ -96,10 +96,11 @@ def record(
         "bodies_full": 20,
         "refinements": 2,
         "cpu_s": cpu,
+        "elastic_scale": 1.03,
         "cpu_repeated_s": 0.1 * cpu,
         "cpu_refining_s": 0.2 * cpu,
     }
-    known = dict.fromkeys(INDICATORS, 0.5) | (indicators or {})
+    known = dict.fromkeys(OBSERVED, 0.5) | (indicators or {})
     return Record(
         specimen,
         seed,

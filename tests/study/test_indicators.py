@@ -5,7 +5,7 @@ import pytest
 
 from fissura.case import case_from_dict
 from fissura.simulation import Simulation
-from fissura.study.indicators import INDICATORS, Observer
+from fissura.study.indicators import OBSERVED, Observer
 
 from .models import CASE
 
@@ -47,7 +47,7 @@ def test_energy_of_a_step_is_that_of_its_contacts(adaptive):
 def test_indicators_are_what_they_say(adaptive):
     _, observer, steps = adaptive
     found = observer.indicators()
-    assert set(found) == set(INDICATORS)
+    assert set(found) == set(OBSERVED)
     assert all(len(values) == len(steps) for values in found.values())
     np.testing.assert_allclose(found["utilisation"], [step.max_elastic_utilisation for step in steps], rtol=1e-12)
     assert (found["border_utilisation"] <= found["utilisation"] * (1 + 1e-12)).all()

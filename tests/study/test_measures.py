@@ -45,6 +45,7 @@ def test_known_differences(beam):
     assert (found.repeated, found.refining) == pytest.approx((0.1, 0.2))
     assert found.indicators["utilisation"] == 0.8
     assert found.row()["indicator_utilisation"] == 0.8
+    assert found.indicators["calibration"] == pytest.approx(0.03)
 
 
 def test_the_largest_difference_after_the_peak_is_told(beam):

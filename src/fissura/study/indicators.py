@@ -17,6 +17,9 @@ All indicators look at the elastic part, which stands for material that could be
 ``balance``
     Work that is neither stored nor dissipated, over all work. A refinement changes the elastic structure under load,
     which neither counts.
+``calibration``
+    How far the factor on the stiffness of coarse contacts is from 1 at the end of the run. What is still coarse then
+    must make up for all that the gauge differs from full resolution, wherever that comes from.
 """
 
 from __future__ import annotations
@@ -36,14 +39,14 @@ if TYPE_CHECKING:
     from fissura.step import Snapshot, Step
     from fissura.tessellation import Tessellation
 
-__all__ = ["INDICATORS", "Observer"]
+__all__ = ["INDICATORS", "OBSERVED", "Observer"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-#: Names of all indicators.
-INDICATORS = (
+#: Names of the indicators that have a value in every step.
+OBSERVED = (
     "utilisation",
     "border_utilisation",
     "border_stress",
@@ -53,6 +56,8 @@ INDICATORS = (
     "border_2",
     "balance",
 )
+#: Names of all indicators.
+INDICATORS = (*OBSERVED, "calibration")
 
 
 @dataclass(frozen=True)
@@ -157,8 +162,8 @@ class Observer:
         return Energies.summed(pairs, energy, centroid)
 
     def indicators(self) -> dict[str, FloatArray]:
-        """Values of every indicator after every step, shape (steps,) each; none at full resolution."""
+        """Values of the indicators of `OBSERVED` after every step, shape (steps,) each; none at full resolution."""
         if self._full:
             return {}
-        values = np.array(self._rows).reshape(-1, len(INDICATORS))
-        return {name: values[:, k].copy() for k, name in enumerate(INDICATORS)}
+        values = np.array(self._rows).reshape(-1, len(OBSERVED))
+        return {name: values[:, k].copy() for k, name in enumerate(OBSERVED)}

@@ -64,7 +64,7 @@ class Measures:
     repeated, refining : float
         Share of the adaptive run's processor time in solutions that were given up, and in re-tessellation.
     indicators : dict of str to float
-        Largest value of every indicator over the run.
+        Largest value of every indicator over the run; of the calibration the last one.
     """
 
     specimen: str
@@ -151,7 +151,8 @@ def measure(adaptive: Record, full: Record) -> Measures:
         cpu_ratio=cpu_full / cpu,
         repeated=float(summary["cpu_repeated_s"]) / cpu,
         refining=float(summary["cpu_refining_s"]) / cpu,
-        indicators={name: float(values.max()) for name, values in adaptive.indicators.items()},
+        indicators={name: float(values.max()) for name, values in adaptive.indicators.items()}
+        | {"calibration": abs(float(summary["elastic_scale"]) - 1.0)},
     )
 
 

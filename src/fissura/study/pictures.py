@@ -168,8 +168,8 @@ def plot_indicators(outcome: Outcome, path: Path) -> bool:
     if len(found) < 3:
         return False
     types = outcome.types()
-    figure = Figure(figsize=(10.4, 5.6), layout="constrained")
-    grid = figure.subplots(2, 4, sharey=True)
+    figure = Figure(figsize=(8.4, 7.8), layout="constrained")
+    grid = figure.subplots(3, 3, sharey=True)
     known = {c.name: c for c in correlations(found)}
     for axes, name in zip(grid.flat, INDICATORS, strict=True):
         drawn = []

@@ -113,12 +113,9 @@ class Correlation:
 
 def correlations(found: Iterable[Measures], error: Callable[[Measures], float] = lambda m: m.load) -> list[Correlation]:
     """Correlate every indicator with the true error, errors below 1e-4 counting as 1e-4."""
-    usable = [m for m in found if m.compared and m.indicators]
+    usable = [m for m in found if m.compared and m.indicators and set(INDICATORS) <= set(m.indicators)]
     true = np.array([max(abs(error(m)), _FLOOR) for m in usable])
-    return [
-        _correlation(name, np.array([(m.indicators or {}).get(name, math.nan) for m in usable]), true)
-        for name in INDICATORS
-    ]
+    return [_correlation(name, np.array([(m.indicators or {})[name] for m in usable]), true) for name in INDICATORS]
 
 
 def _correlation(name: str, values: FloatArray, true: FloatArray) -> Correlation:
