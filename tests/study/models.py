@@ -86,6 +86,7 @@ def record(
             "gauge_m": case["control"]["target"] * step / n if gauge is None else np.array(gauge, float),
             "dissipated_J": 1e-3 * step if dissipated is None else np.array(dissipated, float),
             "cpu_s": cpu * step / n,
+            "linear_iterations": np.full(n, round(10 * cpu)),
             "control": np.full(n, "gauge"),
         }
     summary = {

@@ -41,7 +41,7 @@ def test_known_differences(beam):
     assert found.energy == pytest.approx(0.05)
     assert found.stiffness == pytest.approx(0.02)
     assert found.at == pytest.approx(-1.0)  # at the peak
-    assert found.cpu_ratio == pytest.approx(3.5)
+    assert found.cpu_ratio == found.effort_ratio == pytest.approx(3.5)
     assert (found.repeated, found.refining) == pytest.approx((0.1, 0.2))
     assert found.indicators["utilisation"] == 0.8
     assert found.row()["indicator_utilisation"] == 0.8

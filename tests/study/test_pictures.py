@@ -57,6 +57,7 @@ def outcome(seeds=6):
                         2.0,
                         2.0 * ratio,
                         ratio * rng.uniform(0.9, 1.1),
+                        ratio,
                         0.05,
                         0.1,
                         values | {"balance": 0.0},

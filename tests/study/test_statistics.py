@@ -61,9 +61,11 @@ def test_twins_are_what_all_variations_have():
         measures(seed=2),
         measures(seed=1, variation="b"),
         measures(seed=3, variation="b"),
-        measures(math.nan, seed=2, variation="b"),
     ]
     assert [(m.seed, m.variation) for m in twins(found)] == [(1, "default"), (1, "b")]
+    refused = [*found, measures(math.nan, seed=2, variation="b")]
+    assert [(m.seed, m.variation) for m in twins(refused)] == [(1, "default"), (2, "default")]
+    assert twins([]) == []
 
 
 def test_an_indicator_in_proportion_is_recognised():

@@ -61,6 +61,9 @@ class Measures:
         Re-tessellations, each of which repeats a step.
     cpu, cpu_full, cpu_ratio : float
         Processor times [s], full over adaptive.
+    effort_ratio : float
+        Bodies times linear iterations, summed over the steps, full over adaptive: what `cpu_ratio` would be if nothing
+        else cost anything. It is the same on every machine, however busy.
     repeated, refining : float
         Share of the adaptive run's processor time in solutions that were given up, and in re-tessellation.
     indicators : dict of str to float
@@ -91,6 +94,7 @@ class Measures:
     cpu: float = math.nan
     cpu_full: float = math.nan
     cpu_ratio: float = math.nan
+    effort_ratio: float = math.nan
     repeated: float = math.nan
     refining: float = math.nan
     indicators: dict[str, float] | None = None
@@ -149,6 +153,7 @@ def measure(adaptive: Record, full: Record) -> Measures:
         cpu=cpu,
         cpu_full=cpu_full,
         cpu_ratio=cpu_full / cpu,
+        effort_ratio=_effort(full) / _effort(adaptive),
         repeated=float(summary["cpu_repeated_s"]) / cpu,
         refining=float(summary["cpu_refining_s"]) / cpu,
         indicators={name: float(values.max()) for name, values in adaptive.indicators.items()}
@@ -203,6 +208,11 @@ def crack_position(energies: Energies) -> float:
     order = np.argsort(energies.centroid[:, 0], kind="stable")
     total = np.cumsum(energies.energy[order])
     return float(energies.centroid[order[np.searchsorted(total, 0.5 * total[-1])], 0])
+
+
+def _effort(record: Record) -> float:
+    """Bodies times linear iterations, summed over the steps; at least one, so that ratios are finite."""
+    return max(float(record.curve["bodies"] @ record.curve["linear_iterations"]), 1.0)
 
 
 def _energy_difference(adaptive: Record, full: Record) -> float:

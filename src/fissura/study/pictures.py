@@ -37,7 +37,7 @@ def plot_tradeoff(outcome: Outcome, path: Path) -> bool:
     """Error against saving, a panel for each type of specimen and a marker for each variation.
 
     Full markers are medians, hollow ones the worst of the runs; lines are Pareto fronts. Only specimens and seeds count
-    that all variations of a panel have.
+    that all variations of a panel have, and variations that could be run with all of them.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def plot_tradeoff(outcome: Outcome, path: Path) -> bool:
     for axes, (title, found) in zip(grid.flat, panels.items(), strict=False):
         _tradeoff(axes, found, names, look)
         seeds = len({(m.specimen, m.seed) for m in found})
-        headline(axes, title, f"{seeds} specimens")
+        headline(axes, title, "1 specimen" if seeds == 1 else f"{seeds} specimens")
         limits = {outcome.specimen(m.specimen).limits.load for m in found}
         for limit in limits:
             axes.axhline(100 * limit, color=GREY, linewidth=1.0, zorder=1)
@@ -101,8 +101,8 @@ def _tradeoff(axes: Axes, found: Sequence[Measures], names: Sequence[str], look:
     for name, gain, middle, worst in zip(here, gains, middles, worsts, strict=True):
         colour, marker = look[name]
         axes.plot([gain, gain], [middle, worst], color=colour, linewidth=0.8, alpha=0.35, zorder=2)
-        axes.plot(gain, middle, marker=marker, color=colour, markersize=6.5, zorder=4)
         axes.plot(gain, worst, marker=marker, color=colour, markerfacecolor="white", markersize=6.5, zorder=4)
+        axes.plot(gain, middle, marker=marker, color=colour, markersize=6.5, zorder=5)
     for values, style in ((middles, "-"), (worsts, "--")):
         front = pareto(gains, values)
         axes.plot([gains[k] for k in front], [values[k] for k in front], style, color=INK, linewidth=1.0, zorder=3)
@@ -193,8 +193,11 @@ def plot_indicators(outcome: Outcome, path: Path) -> bool:
         axes.set_xscale("log")
         axes.set_yscale("log")
         if drawn and math.isfinite(known[name].covering):
-            ends = np.array([min(p[0] for p in drawn), max(p[0] for p in drawn)])
-            axes.plot(ends, 100 * known[name].covering * ends, color=GREY, linewidth=1.2, zorder=1)
+            span = np.array([min(point[0] for point in drawn), max(point[0] for point in drawn)])
+            axes.plot(span, 100 * known[name].covering * span, color=GREY, linewidth=1.2, zorder=1)
+        ends = [point[0] for point in drawn]
+        if ends and max(ends) < 50.0 * min(ends):
+            plain(axes.xaxis, few(min(ends), max(ends)))
         axes.set_ylim(FLOOR / 1.5, 2.0 * max(max(100 * m.load, FLOOR) for m in found))
         plain(axes.yaxis)
         tidy(axes)

@@ -33,6 +33,7 @@ COLUMNS = [
     ("overhead", "repeated, re-tessellated [% of time]"),
     ("cpu", "processor time [s] (full)"),
     ("ratio", "ratio"),
+    ("effort", "effort, ratio"),
 ]
 
 TEXT = """\
@@ -40,8 +41,9 @@ Each row has the median over seeds, and in brackets the worst: the largest size,
 processor times the smallest. Differences are per cent of the value at full resolution (load: of its peak). *Load* is
 the largest difference over the whole curve. *On the crack*: share of the dissipated energy within `l_f` of the crack at
 full resolution, over the share that full resolution itself has. *Overlap*: energy dissipated by both in the same
-contacts. *Elastic utilisation*: largest traction over strength in contacts without damage law. *Runs* that ended
-otherwise than at their target are counted by what ended them; `load`: it had fallen to `control.stop_load`.
+contacts. *Elastic utilisation*: largest traction over strength in contacts without damage law. *Effort*: bodies
+times linear iterations, which no busy machine disturbs. *Runs* that ended otherwise than at their target are counted by
+what ended them; `load`: it had fallen to `control.stop_load`.
 """
 
 _ESTIMATES = """\
@@ -108,6 +110,7 @@ def _summary(outcome: Outcome, specimen: str, runs: list[Measures]) -> dict[str,
     both = spread((100 * m.overlap for m in usable), smallest=True)
     used = spread((m.indicators or {}).get("utilisation", math.nan) for m in usable)
     ratio = spread((m.cpu_ratio for m in usable), smallest=True)
+    effort = spread((m.effort_ratio for m in usable), smallest=True)
     start, end, full = (spread(float(getattr(m, f"bodies_{key}")) for m in usable) for key in ("start", "end", "full"))
     refined = spread(float(m.refinements) for m in usable)
     cpu, cpu_full = spread(m.cpu for m in usable), spread(m.cpu_full for m in usable)
@@ -123,6 +126,7 @@ def _summary(outcome: Outcome, specimen: str, runs: list[Measures]) -> dict[str,
         "refinements": _pair(refined.median, refined.worst, ".0f", ".0f"),
         "overhead": "-" if not usable else f"{repeated:.0f}, {refining:.0f}",
         "cpu": _pair(cpu.median, cpu_full.median, ".1f", ".1f"),
+        "effort": _pair(effort.median, effort.worst, ".2f", ".2f"),
         "ratio": _pair(ratio.median, ratio.worst, ".2f", ".2f"),
     }
 

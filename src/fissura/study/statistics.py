@@ -62,13 +62,18 @@ def fails(found: Measures, limits: Limits) -> list[str]:
 
 
 def twins(found: Sequence[Measures]) -> list[Measures]:
-    """Runs of those specimens and seeds that every variation has, so that variations can be compared."""
-    usable = [m for m in found if m.compared]
-    by_variation: dict[str, set[tuple[str, int]]] = {}
-    for m in usable:
-        by_variation.setdefault(m.variation, set()).add((m.specimen, m.seed))
-    common = set.intersection(*by_variation.values()) if by_variation else set()
-    return [m for m in usable if (m.specimen, m.seed) in common]
+    """Runs of those specimens and seeds that all variations share, so that variations can be compared.
+
+    A variation with which one of them could not be run or compared is left out.
+    """
+    by_variation: dict[str, dict[tuple[str, int], Measures]] = {}
+    for m in found:
+        by_variation.setdefault(m.variation, {})[m.specimen, m.seed] = m
+    if not by_variation:
+        return []
+    common = set.intersection(*(set(runs) for runs in by_variation.values()))
+    kept = [runs for runs in by_variation.values() if all(runs[key].compared for key in common)]
+    return [m for runs in kept for key, m in runs.items() if key in common]
 
 
 def pareto(gain: Sequence[float], error: Sequence[float]) -> list[int]:
