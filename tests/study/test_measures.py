@@ -80,9 +80,10 @@ def test_what_cannot_be_compared_is_unknown(beam):
     assert not stopped.finished
 
 
-def test_crack_is_the_fewest_contacts_with_95_per_cent():
-    found = energies([1.0, 90.0, 4.0, 5.0], np.zeros((4, 3)))
+def test_crack_is_the_fewest_contacts_with_half_of_the_energy():
+    found = energies([1.0, 4.0, 2.0, 3.0], np.zeros((4, 3)))
     assert list(crack_of(found)) == [1, 3]
+    assert list(crack_of(energies([1.0, 1.0], np.zeros((2, 3))))) == [0]
     assert list(crack_of(energies([1.0], [[0, 0, 0]]))) == [0]
 
 

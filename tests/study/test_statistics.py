@@ -25,6 +25,7 @@ def measures(load=0.005, **values):
         "energy": 0.0,
         "crack": 1.0,
         "crack_full": 1.0,
+        "overlap": 1.0,
         "indicators": dict.fromkeys(INDICATORS, 0.5),
     }
     return Measures(**(fixed | values))
@@ -95,7 +96,7 @@ def test_places_of_cracks():
     (test,) = localisation(same)
     assert (test.statistic, test.probability) == (0.0, 1.0)
     assert test.same.all()
-    drawn = [replace(m, position=0.2 + 0.01 * (m.position - 0.2), crack=0.3) for m in same]
+    drawn = [replace(m, position=0.2 + 0.01 * (m.position - 0.2), overlap=0.3) for m in same]
     (test,) = localisation(drawn)
     assert test.probability < 0.05
     assert not test.same.any()

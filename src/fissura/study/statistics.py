@@ -28,9 +28,8 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 
-SAME_CRACK = 0.9
-"""Share of the energy on the crack of full resolution, over that of full resolution itself, from which a crack is the
-same."""
+SAME_CRACK = 0.8
+"""Overlap of energies from which a crack is the same."""
 
 #: Smallest differences that count [fraction of the peak]; below it there is only the tolerance of equilibrium.
 _FLOOR = 1e-4
@@ -179,7 +178,7 @@ def localisation(found: Iterable[Measures]) -> list[Localisation]:
         if len(runs) < 2:
             continue
         adaptive, full = (np.array([getattr(m, key) for m in runs]) for key in ("position", "position_full"))
-        same = np.array([m.crack >= SAME_CRACK * m.crack_full for m in runs])
+        same = np.array([m.overlap >= SAME_CRACK for m in runs])
         test = ks_2samp(adaptive, full)
         tests.append(Localisation(specimen, variation, adaptive, full, same, float(test.statistic), float(test.pvalue)))
     return tests
