@@ -21,7 +21,7 @@ from fissura.adaptivity import (
     calibrated,
     criterion_named,
     gauge_compliance,
-    needed_contacts,
+    needed_bodies,
     region_from_case,
     transfer_history,
 )
@@ -79,6 +79,7 @@ class _Path:
     factorizations: int = 0
     refinements: int = 0
     coarsenings: int = 0
+    load_change: float = 0.0
 
 
 class Simulation:
@@ -327,7 +328,9 @@ class Simulation:
             return
         system, response = path.system, path.now.response
         strain = response.strain[system.active]
-        needed = needed_contacts(
+        needed = needed_bodies(
+            system.tessellation,
+            system.active,
             strain,
             response.history,
             system.law.utilisation(strain),
@@ -335,7 +338,7 @@ class Simulation:
             self.case.adaptivity.gamma_coarse,
         )
         before = self._region
-        region = self._coarsening.smaller(before, system.tessellation, system.active, needed)
+        region = self._coarsening.smaller(before, system.tessellation, needed)
         if region is not None:
             self._change(path, region)
             self._coarsening = self._coarsening.coarsened(before)
@@ -359,6 +362,7 @@ class Simulation:
             return
         path.now = settle(system, history, before.value)
         path.exchanged += system.stored(path.now.response) - old.stored(before.response)
+        path.load_change += abs(path.now.load - before.load)
         path.load, path.displacement = path.now.load, float(system.load @ path.now.response.u)
 
     def _accept(
@@ -401,8 +405,10 @@ class Simulation:
             residual=found.norms.force,
             snapshot=self._snapshot(system, found, criterion, stress),
             control=goal.control,
+            load_change=path.load_change,
             spent=spent,
         )
+        path.load_change = 0.0
         path.iterations = path.linear_iterations = path.factorizations = path.refinements = path.coarsenings = 0
         return step
 

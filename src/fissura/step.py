@@ -86,6 +86,8 @@ class Step:
         The state.
     control : str
         What led in this step: "gauge", "displacement" or "dissipation".
+    load_change : float
+        Sizes of all changes of the load that refinement made at a kept gauge since the step before [N].
     spent : (m,) array
         Energy that each contact of the snapshot dissipated in this step [J].
     """
@@ -109,4 +111,5 @@ class Step:
     residual: float
     snapshot: Snapshot
     control: str = "gauge"
+    load_change: float = 0.0
     spent: FloatArray = field(default_factory=lambda: np.zeros(0))

@@ -132,12 +132,14 @@ def step(number, gauge, load, shot=None, **changes):
         "bodies": 2,
         "fine_bodies": 2,
         "refinements": 0,
+        "coarsenings": 0,
         "iterations": 4,
         "linear_iterations": 30,
         "factorizations": 2,
         "dissipated": 1e-3 * number,
         "stored": 1e-3,
         "work": 1e-3 * number + 1.01e-3,
+        "exchanged": 0.0,
         "max_elastic_utilisation": 0.8,
         "residual": 1e-6,
         "snapshot": snapshot(stack()) if shot is None else shot,
@@ -171,6 +173,8 @@ def simulation(control=None, **output):
         bodies_full=40,
         initial_stiffness=1.5e8,
         elastic_scale=0.9,
+        cpu_repeated=0.1,
+        cpu_refining=0.2,
     )
 
 

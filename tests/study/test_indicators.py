@@ -56,8 +56,9 @@ def test_indicators_are_what_they_say(adaptive):
     assert all((values >= 0.0).all() for values in found.values())
     assert found["utilisation"].max() > 0.3
     last = steps[-1]
-    balance = abs(last.work - last.stored - last.dissipated) / last.work
-    assert found["balance"][-1] == pytest.approx(balance, abs=1e-15)
+    assert found["balance"][-1] == pytest.approx(abs(last.exchanged) / last.work, rel=1e-12)
+    changed = sum(step.load_change for step in steps) / max(step.load for step in steps)
+    assert found["load_change"][-1] == pytest.approx(changed, rel=1e-12) and changed > 0.0
 
 
 def test_full_resolution_has_no_indicators():

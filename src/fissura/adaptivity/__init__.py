@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from fissura.adaptivity.calibration import calibrated, gauge_compliance
-from fissura.adaptivity.coarsening import Coarsening, needed_contacts
+from fissura.adaptivity.coarsening import Coarsening, needed_bodies
 from fissura.adaptivity.criterion import CRITERIA, ElasticState, criterion_named
+from fissura.adaptivity.estimate import load_error_bound
 from fissura.adaptivity.region import RefinedRegion, region_from_case
 from fissura.adaptivity.transfer import transfer_history
 
@@ -16,7 +17,8 @@ __all__ = [
     "calibrated",
     "criterion_named",
     "gauge_compliance",
-    "needed_contacts",
+    "load_error_bound",
+    "needed_bodies",
     "region_from_case",
     "transfer_history",
 ]

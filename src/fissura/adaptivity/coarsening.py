@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fissura.adaptivity.region import RefinedRegion
 from fissura.tessellation import Tessellation
 
-__all__ = ["Coarsening", "needed_contacts"]
+__all__ = ["Coarsening", "needed_bodies"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -30,33 +30,52 @@ _PAUSE = 3
 _SAVING, _FEWEST = 0.25, 100
 
 
-#: A contact has unloaded when its effective strain is below this share of its largest one.
-_UNLOADED = 0.9
-
-#: Share of the threshold that holds for contacts that have not unloaded: they may come to be needed.
-_RISING = 0.5
+#: A body has unloaded when the strain energy of its contacts is below this share of what it would be at the largest
+#: strain of each.
+_UNLOADED = 0.75
 
 
-def needed_contacts(
-    strain: FloatArray, history: FloatArray, utilisation: FloatArray, alpha: float, threshold: float
+def needed_bodies(
+    tessellation: Tessellation,
+    active: IntArray,
+    strain: FloatArray,
+    history: FloatArray,
+    utilisation: FloatArray,
+    alpha: float,
+    threshold: float,
 ) -> BoolArray:
-    """Contacts that must keep their bodies: damaged, highly stressed, or not unloaded yet.
+    """Bodies that must stay fine: with a damaged or highly stressed contact, or not unloaded yet.
 
     Parameters
     ----------
+    tessellation : Tessellation
+        The discretization.
+    active : (k,) int array
+        Contacts with the damage law.
     strain, history : (k, 3) arrays
-        Of the contacts with the damage law: ``e_N, e_M, e_L``, and damage, largest ``e_N``, largest ``e_T``.
+        Of these: ``e_N, e_M, e_L``, and damage, largest ``e_N``, largest ``e_T``.
     utilisation : (k,) array
         Effective traction over strength.
     alpha : float
         Tangential over normal stiffness.
     threshold : float
         Utilisation from which a contact counts as highly stressed.
+
+    Returns
+    -------
+    (n,) bool array
+        False for coarse bodies.
     """
+    contacts, n = tessellation.contacts, len(tessellation)
+    ends = contacts.bodies[active]
+    weight = contacts.area[active] * contacts.length[active]
+    # Compression leaves no trace in the history.
     now = np.maximum(strain[:, 0], 0.0) ** 2 + alpha * (strain[:, 1] ** 2 + strain[:, 2] ** 2)
     largest = history[:, 1] ** 2 + alpha * history[:, 2] ** 2
-    rising = now >= _UNLOADED**2 * largest
-    return np.asarray((history[:, 0] > 0.0) | (utilisation > np.where(rising, _RISING, 1.0) * threshold))
+    of_bodies = [np.bincount(ends.ravel(), np.repeat(weight * value, 2), n) for value in (now, largest)]
+    needed = tessellation.fine & (of_bodies[0] >= _UNLOADED * of_bodies[1])
+    needed[ends[(history[:, 0] > 0.0) | (utilisation > threshold)]] = True
+    return np.asarray(needed, dtype=np.bool_)
 
 
 @dataclass(frozen=True)
@@ -96,7 +115,6 @@ class Coarsening:
         self,
         region: RefinedRegion,
         tessellation: Tessellation,
-        active: IntArray,
         needed: BoolArray,
     ) -> RefinedRegion | None:
         """The region that is still needed; None where it is not worth a change.
@@ -107,16 +125,13 @@ class Coarsening:
             What is fine now.
         tessellation : Tessellation
             The discretization.
-        active : (k,) int array
-            Contacts with the damage law.
-        needed : (k,) bool array
-            Which of them must keep their bodies.
+        needed : (n,) bool array
+            Bodies that must stay fine.
         """
         fine = int(tessellation.fine.sum())
         if self.rest < _PAUSE or fine <= _FEWEST:
             return None
-        bodies = tessellation.contacts.bodies[active[needed]]
-        smaller = region.coarsened(tessellation.x[np.unique(bodies)], self.lasting)
+        smaller = region.coarsened(tessellation.x[needed], self.lasting)
         left = int((smaller.distance(self.x) <= 0.0).sum())
         if fine - left < max(_SAVING * fine, _FEWEST):
             return None

@@ -44,8 +44,8 @@ class RefinedRegion:
         Nuclei of these bodies [m].
     lines : (q, 2, 3) array
         Ends of lines that are fine within `r_l` [m].
-    r_l : float
-        That radius, `r_f` at the start [m].
+    r_l : float or None
+        That radius [m]; None for `r_f`.
     balls, radii : (b, 3), (b,) arrays
         Further balls from the start [m].
     lower, upper : (b, 3) arrays
@@ -65,7 +65,7 @@ class RefinedRegion:
     lower: FloatArray = field(default_factory=lambda: _empty(0, 3))
     upper: FloatArray = field(default_factory=lambda: _empty(0, 3))
     everywhere: bool = False
-    r_l: float = 0.0
+    r_l: float | None = None
     r_w: float = 0.0
     needed: FloatArray = field(default_factory=lambda: _empty(0, 3))
 
@@ -93,10 +93,11 @@ class RefinedRegion:
         for centers, radius in ((self.centers, self.r_f), (self.needed, self.r_w)):
             if len(centers):
                 nearest = np.minimum(nearest, np.asarray(cKDTree(centers).query(x)[0]) - radius)
+        tip = self.r_f if self.r_l is None else self.r_l
         for a, b in self.lines:
             along = b - a
             t = np.clip((x - a) @ along / (along @ along), 0.0, 1.0)
-            nearest = np.minimum(nearest, np.linalg.norm(x - a - t[:, None] * along, axis=1) - self.r_l)
+            nearest = np.minimum(nearest, np.linalg.norm(x - a - t[:, None] * along, axis=1) - tip)
         given = Regions(self.balls, self.radii, self.lower, self.upper).distance(x)
         return np.asarray(np.minimum(nearest, given), dtype=np.float64)
 
@@ -123,6 +124,5 @@ def region_from_case(case: Case, box: Box, *, full: bool) -> RefinedRegion:
         lower=regions.lower,
         upper=regions.upper,
         everywhere=full,
-        r_l=part.r_f,
         r_w=part.r_w,
     )

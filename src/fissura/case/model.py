@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self
@@ -15,24 +14,21 @@ from pydantic import (
     model_validator,
 )
 
-from fissura.bulk import bulk_law
+from fissura.case.adaptivity import Adaptivity
 from fissura.case.field import Field as RandomField
+from fissura.case.material import Macro, Material
 from fissura.case.part import Part
+from fissura.case.region import BallRegion, BoxRegion
 from fissura.case.types import (
     Axis,
     Count,
     Direction,
-    Factor,
     File,
     Flag,
-    Fraction,
     Length,
     Point,
-    PoissonRatio,
     PositiveCount,
-    PositiveEnergyPerArea,
     PositiveLength,
-    PositiveStress,
     Share,
     Size,
     Thickness,
@@ -40,7 +36,6 @@ from fissura.case.types import (
     as_tuple,
     derived,
     fail,
-    instead,
 )
 from fissura.case.units import show
 
@@ -126,78 +121,6 @@ class Gauge(Part):
     direction: Direction | None = Field(default=None, description="three numbers")
 
 
-class BallRegion(Part):
-    """Ball-shaped part of space."""
-
-    type: Literal["ball"]
-    center: Point = Field(description="three lengths")
-    radius: PositiveLength = Field(description='a length such as "50 mm"')
-
-
-class BoxRegion(Part):
-    """Box-shaped part of space, its sides along the axes."""
-
-    type: Literal["box"]
-    lower: Point = Field(description="three lengths")
-    upper: Point = Field(description="three lengths")
-
-    @model_validator(mode="after")
-    def _lower_below_upper(self) -> Self:
-        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
-            fail("is not above lower along every axis", "three lengths, each above that of lower", "upper")
-        return self
-
-
-Region = Annotated[BallRegion | BoxRegion, Field(discriminator="type")]
-
-
-class Macro(Part):
-    """Elastic constants of the material as a whole (theory section 2)."""
-
-    E: PositiveStress = Field(description='a stress such as "38 GPa"')
-    nu: PoissonRatio = Field(description="a number such as 0.18")
-
-    @property
-    def contact(self) -> tuple[float, float]:
-        """``E`` [Pa] and ``alpha`` of the contacts."""
-        return bulk_law().contact(self.E, self.nu)
-
-
-class Material(Part):
-    """Constants of the contact law (theory section 3); `macro` only serves to find two of them and is None then."""
-
-    law: str = Field(default="cusatis-cedolin", description="the name of a law")
-    macro: Macro | None = Field(default=None, exclude=True, description="a table with E and nu")
-    E: PositiveStress = Field(
-        default_factory=instead("macro", lambda macro: macro.contact[0]),
-        description='a stress such as "60 GPa", or macro = { E, nu } instead of E and alpha',
-    )
-    alpha: Fraction = Field(
-        default_factory=instead("macro", lambda macro: macro.contact[1]),
-        description="a number above 0 and at most 1, or macro = { E, nu } instead of E and alpha",
-    )
-    f_t: PositiveStress = Field(description='a stress such as "2.2 MPa"')
-    G_t: PositiveEnergyPerArea = Field(description='an energy per area such as "35 J/m^2"')
-    f_s: PositiveStress = Field(default_factory=derived(lambda f_t: 3.0 * f_t, "f_t"))
-    f_c: PositiveStress = Field(default_factory=derived(lambda f_t: 16.0 * f_t, "f_t"))
-    G_s: PositiveEnergyPerArea = Field(default_factory=derived(lambda G_t: 16.0 * G_t, "G_t"))
-    K_c: PositiveStress = Field(default_factory=derived(lambda E: 0.26 * E, "E"))
-    mu: Factor = 0.2
-    beta: Factor = 1.0
-    n_c: Factor = 2.0
-    elastic: Annotated[tuple[Region, ...], BeforeValidator(as_tuple)] = ()
-
-    @model_validator(mode="after")
-    def _either_contacts_or_whole(self) -> Self:
-        if self.macro is not None:
-            for key in ("E", "alpha"):
-                if key in self.model_fields_set:
-                    fail("is given together with macro", "either macro = { E, nu }, or E and alpha", key)
-            # What was given is in `E` and `alpha` now. A case read again from its resolved values is the same case.
-            self.__dict__["macro"] = None
-        return self
-
-
 class Discretization(Part):
     """Spacing of the nuclei."""
 
@@ -210,21 +133,6 @@ class Discretization(Part):
         if self.l_f > self.l_c:
             fail(f"{self.l_f:g} m is larger than l_c = {self.l_c:g} m", "l_f at most l_c", "l_f")
         return self
-
-
-class Adaptivity(Part):
-    """When and where the discretization is refined; its radii are nan until a case resolves them."""
-
-    criterion: str = Field(default="utilisation", description="the name of a criterion")
-    gamma: Fraction = 0.75
-    r_f: PositiveLength = Field(default=math.nan, validate_default=False)
-    r_c: PositiveLength = Field(default=math.nan, validate_default=False)
-    coarsen: Flag = False
-    gamma_coarse: Fraction = 0.6
-    r_w: PositiveLength = Field(default=math.nan, validate_default=False)
-    notch_tips: Flag = True
-    calibrate: Flag = True
-    regions: Annotated[tuple[Region, ...], BeforeValidator(as_tuple)] = ()
 
 
 class Control(Part):
@@ -323,14 +231,8 @@ class Case(Part):
     @classmethod
     def _radii(cls, value: Adaptivity, info: ValidationInfo) -> Adaptivity:
         spacing = info.data.get("discretization")
-        if spacing is None:  # itself wrong, and reported so
-            return value
-        r_f = 6.0 * spacing.l_f if math.isnan(value.r_f) else value.r_f
-        r_c = r_f + 2.0 * spacing.l_c if math.isnan(value.r_c) else value.r_c
-        if r_f > r_c:
-            fail(f"{r_f:g} m is larger than r_c = {r_c:g} m", "r_f at most r_c", "r_f")
-        r_w = 3.0 * spacing.l_f if math.isnan(value.r_w) else value.r_w
-        return value.model_copy(update={"r_f": r_f, "r_c": r_c, "r_w": r_w})
+        # A spacing that is itself wrong is reported so.
+        return value if spacing is None else value.resolved(spacing.l_f, spacing.l_c)
 
     @model_validator(mode="after")
     def _controlled(self) -> Self:

@@ -118,9 +118,11 @@ def to_si(value: Any, dimension: Dimension) -> float:
 def _parse(text: str, dimension: Dimension) -> float:
     """Parse number and unit, check the dimension, convert to SI."""
     shown = show(text)
-    if not dimension.unit:
-        raise ValueError(f"{shown} is text, not a plain number")
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if not dimension.unit:
+        if match is not None and match[2] == "%":
+            return float(match[1]) / 100.0
+        raise ValueError(f"{shown} is text, not a plain number")
     if match is None:
         if re.fullmatch(r"\s*[+-]?(nan|inf(inity)?)\b.*", text, re.IGNORECASE | re.DOTALL):
             raise ValueError(f"{shown} is not finite")

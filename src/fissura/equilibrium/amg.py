@@ -141,7 +141,9 @@ class SmoothedAggregation:
         """
         self.iterations = 0
         columns = right.reshape(self.form.size, -1)
-        found = np.stack([self._solved(np.ascontiguousarray(column), tolerance or self.tolerance) for column in columns.T], axis=1)
+        found = np.stack(
+            [self._solved(np.ascontiguousarray(column), tolerance or self.tolerance) for column in columns.T], axis=1
+        )
         return found.reshape(right.shape)
 
     def _solved(self, right: FloatArray, tolerance: float) -> FloatArray:

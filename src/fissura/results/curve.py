@@ -32,12 +32,14 @@ COLUMNS: tuple[str, ...] = (
     "bodies",
     "fine_bodies",
     "refinements",
+    "coarsenings",
     "iterations",
     "linear_iterations",
     "factorizations",
     "dissipated_J",
     "stored_J",
     "work_J",
+    "exchanged_J",
     "max_elastic_utilisation",
     "residual",
     "cpu_s",
@@ -47,14 +49,23 @@ COLUMNS: tuple[str, ...] = (
 """Columns of ``curve.csv`` in order; the part after the last underscore is the unit, if there is one."""
 
 COUNTS = frozenset(
-    {"step", "bodies", "fine_bodies", "refinements", "iterations", "linear_iterations", "factorizations"}
+    {
+        "step",
+        "bodies",
+        "fine_bodies",
+        "refinements",
+        "coarsenings",
+        "iterations",
+        "linear_iterations",
+        "factorizations",
+    }
 )
 """Columns of whole numbers."""
 
 TEXTS = frozenset({"control"})
 """Columns of words."""
 
-LATER = frozenset({"control", "linear_iterations"})
+LATER = frozenset({"coarsenings", "control", "exchanged_J", "linear_iterations"})
 """Columns that the first files did not have."""
 
 
@@ -81,12 +92,14 @@ def row(step: Step, cpu_s: float, wall_s: float) -> Row:
         "bodies": step.bodies,
         "fine_bodies": step.fine_bodies,
         "refinements": step.refinements,
+        "coarsenings": step.coarsenings,
         "iterations": step.iterations,
         "linear_iterations": step.linear_iterations,
         "factorizations": step.factorizations,
         "dissipated_J": step.dissipated,
         "stored_J": step.stored,
         "work_J": step.work,
+        "exchanged_J": step.exchanged,
         "max_elastic_utilisation": step.max_elastic_utilisation,
         "residual": step.residual,
         "cpu_s": cpu_s,

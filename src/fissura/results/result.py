@@ -139,6 +139,7 @@ class Result:
         s, number = self.summary, self._number
         kind = "full resolution" if self.full else f"adaptive ({s.get('criterion')})"
         led = f" ({s['steps_led_by_energy']} led by energy)" if s.get("steps_led_by_energy") else ""
+        coarser = f"{s['coarsenings']} coarsenings, " if s.get("coarsenings") else ""
         bodies = " → ".join(text.count(number(key)) for key in ("bodies_start", "bodies_end"))
         return [
             ("case", f"{s.get('case')}, seed {s.get('seed')}, {kind}"),
@@ -151,14 +152,22 @@ class Result:
                 "elastic contacts at most at",
                 text.per_cent(number("max_elastic_utilisation")) + " of strength",
             ),
+            *self._precision(),
             ("bodies", f"{bodies} (full: {text.count(number('bodies_full'))})"),
             (
                 "steps",
-                f"{self.steps}{led} with {s.get('refinements')} refinements, {s.get('iterations')} iterations",
+                f"{self.steps}{led} with {s.get('refinements')} refinements, {coarser}{s.get('iterations')} iterations",
             ),
             ("time", f"{text.seconds(number('wall_s'))} ({text.seconds(number('cpu_s'))} of processor)"),
             ("memory", f"{number('peak_memory_MB'):.0f} MB"),
         ]
+
+    def _precision(self) -> list[tuple[str, str]]:
+        """Row about the error of adaptivity; none at full resolution."""
+        if self.summary.get("load_error_bound") is None:
+            return []
+        bound = text.per_cent(self._number("load_error_bound"))
+        return [("load off full resolution", f"by {bound} of its peak at most, in 95 of 100 runs like it")]
 
     def _number(self, key: str) -> float:
         value = self.summary.get(key)

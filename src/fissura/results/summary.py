@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fissura.adaptivity.estimate import load_error_bound
 from fissura.errors import InputError
 from fissura.results.curve import Curve
 from fissura.results.quantities import length
@@ -63,7 +64,9 @@ def build_summary(
     steps = len(curve["step"])
     peak = int(np.argmax(curve["load_N"])) if steps else None
     iterations, work = int(curve["iterations"].sum()), _last(curve, "work_J")
-    stored, dissipated = _last(curve, "stored_J"), _last(curve, "dissipated_J")
+    stored, dissipated, exchanged = (_last(curve, f"{name}_J") for name in ("stored", "dissipated", "exchanged"))
+    used = _largest(curve["max_elastic_utilisation"])
+    bound = None if simulation.full or used is None else load_error_bound(used)
     summary = {
         "format_version": FORMAT_VERSION,
         "case": case.name,
@@ -80,23 +83,29 @@ def build_summary(
         "dissipated_energy_J": dissipated,
         "stored_J": stored,
         "work_J": work,
-        "energy_balance_error": (work - stored - dissipated) / work if work else None,
+        "exchanged_J": exchanged,
+        "energy_balance_error": (work + exchanged - stored - dissipated) / work if work else None,
         "elastic_scale": simulation.elastic_scale,
-        "max_elastic_utilisation": _largest(curve["max_elastic_utilisation"]),
+        "max_elastic_utilisation": used,
+        "load_error_bound": bound,
+        "tolerance": case.adaptivity.tolerance,
         "bodies_start": simulation.bodies_start,
         "bodies_end": _last(curve, "bodies"),
         "bodies_full": simulation.bodies_full,
         "steps": steps,
         "steps_led_by_energy": (curve["control"] == "dissipation").sum(),
         "refinements": curve["refinements"].sum(),
+        "coarsenings": curve["coarsenings"].sum(),
         "iterations": iterations,
         "linear_iterations": curve["linear_iterations"].sum(),
         "factorizations": curve["factorizations"].sum(),
         "iterations_per_step": iterations / steps if steps else None,
         "cpu_s": cpu_s,
+        "cpu_repeated_s": simulation.cpu_repeated,
+        "cpu_refining_s": simulation.cpu_refining,
         "wall_s": wall_s,
         "peak_memory_MB": peak_memory() / 1e6,
-        "warnings": warnings_of(curve),
+        "warnings": [*warnings_of(curve), *_beyond(case.adaptivity.tolerance, bound)],
         "versions": versions(),
     }
     return {key: _plain(value) for key, value in summary.items()}
@@ -131,6 +140,16 @@ def warnings_of(curve: Curve) -> list[str]:
         f"elastic contacts reached {used[worst]:.2f} times their strength at step {curve['step'][worst]} "
         f"(gauge {length(float(curve['gauge_m'][worst]))}): refinement came too late there; "
         f"they exceeded it in {many}"
+    ]
+
+
+def _beyond(tolerance: float | None, bound: float | None) -> list[str]:
+    """What to say where the error may be larger than a case allows."""
+    if tolerance is None or bound is None or bound <= tolerance:
+        return []
+    return [
+        f"the load may be {bound:.2%} of its peak off full resolution, which is more than adaptivity.tolerance ="
+        f" {tolerance:.2%}: a smaller tolerance refines earlier"
     ]
 
 

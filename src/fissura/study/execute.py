@@ -83,7 +83,6 @@ def execute(task: Task, interrupted: Callable[[], bool] = lambda: False) -> Reco
         cpu_s=time.process_time() - cpu - aside_cpu,
         wall_s=time.perf_counter() - wall - aside_wall,
     )
-    summary |= {"cpu_repeated_s": simulation.cpu_repeated, "cpu_refining_s": simulation.cpu_refining}
     return Record(
         **head,
         status=status,

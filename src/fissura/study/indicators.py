@@ -15,8 +15,9 @@ All indicators look at the elastic part, which stands for material that could be
     fine contacts with a body that touches a coarse one, or with one that touches such a body (a body is about 1.25
     ``l_f`` thick).
 ``balance``
-    Work that is neither stored nor dissipated, over all work. A refinement changes the elastic structure under load,
-    which neither counts.
+    Energy that refinements put in or took out, over all work: they change the elastic structure under load.
+``load_change``
+    Changes of the load that refinement made at a kept gauge, their sizes summed, over the largest load.
 ``calibration``
     How far the factor on the stiffness of coarse contacts is from 1 at the end of the run. What is still coarse then
     must make up for all that the gauge differs from full resolution, wherever that comes from.
@@ -55,6 +56,7 @@ OBSERVED = (
     "border_1",
     "border_2",
     "balance",
+    "load_change",
 )
 #: Names of all indicators.
 INDICATORS = (*OBSERVED, "calibration")
@@ -121,6 +123,7 @@ class Observer:
         self._spent: list[tuple[IntArray, FloatArray, FloatArray]] = []
         self._rows: list[list[float]] = []
         self._outer = np.zeros(2)
+        self._changed = self._peak = 0.0
 
     def add(self, step: Step, elastic_scale: float) -> None:
         """Take note of an accepted step; `elastic_scale` is the factor on the stiffness of coarse contacts."""
@@ -142,6 +145,7 @@ class Observer:
         utilisation = zones.law.utilisation(elastic_scale * shot.strain[zones.elastic])
         contacts = shot.tessellation.contacts
         energy = 0.5 * contacts.area * contacts.length * np.einsum("ca,ca->c", shot.traction, shot.strain)
+        self._changed, self._peak = self._changed + step.load_change, max(self._peak, abs(step.load))
         energy, spent = energy[zones.elastic], max(step.stored + step.dissipated, 1e-300)
         stress = np.linalg.eigvalsh(shot.stress[zones.coarse_border])[:, -1]
         return [
@@ -151,7 +155,8 @@ class Observer:
             float(energy[utilisation > 0.5].sum()) / spent,
             float(energy[utilisation > 0.7].sum()) / spent,
             *(self._outer / spent),
-            abs(step.work - step.stored - step.dissipated) / max(abs(step.work), 1e-300),
+            abs(step.exchanged) / max(abs(step.work), 1e-300),
+            self._changed / max(self._peak, 1e-300),
         ]
 
     def energies(self) -> Energies:

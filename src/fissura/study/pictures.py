@@ -168,10 +168,14 @@ def plot_indicators(outcome: Outcome, path: Path) -> bool:
     if len(found) < 3:
         return False
     types = outcome.types()
-    figure = Figure(figsize=(8.4, 7.8), layout="constrained")
-    grid = figure.subplots(3, 3, sharey=True)
+    across = 3
+    rows = -(-len(INDICATORS) // across)
+    figure = Figure(figsize=(8.4, 2.6 * rows), layout="constrained")
+    grid = figure.subplots(rows, across, sharey=True)
+    for axes in grid.flat[len(INDICATORS) :]:
+        axes.set_axis_off()
     known = {c.name: c for c in correlations(found)}
-    for axes, name in zip(grid.flat, INDICATORS, strict=True):
+    for axes, name in zip(grid.flat, INDICATORS, strict=False):
         drawn = []
         for k, specimens in enumerate(types.values()):
             points = [

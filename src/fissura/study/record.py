@@ -75,7 +75,7 @@ class Record:
     message : str
         Why, unless finished.
     summary : dict
-        As in ``summary.json``, with ``cpu_repeated_s`` and ``cpu_refining_s`` on top; empty without steps.
+        As in ``summary.json``; empty without steps.
     curve : dict of str to (steps,) array
         As in ``curve.csv``.
     energies : Energies

@@ -1,0 +1,110 @@
+"""When and where a case refines its discretization."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
+
+from fissura.case.part import Part
+from fissura.case.region import Region
+from fissura.case.types import Flag, Fraction, PositiveLength, as_tuple, fail
+
+__all__ = ["LEVELS", "Adaptivity", "Level"]
+
+
+@dataclass(frozen=True)
+class Level:
+    """Parameters that keep the error of adaptivity below a tolerance.
+
+    Attributes
+    ----------
+    tolerance : float
+        Largest difference of the load from that of full resolution, over the peak load, in 95 % of the runs of the
+        study in `docs/adaptivity.md`, or less.
+    gamma : float
+        As in a case.
+    r_f : float
+        Over `l_f`.
+    ramp : float
+        ``r_c - r_f`` over `l_c`.
+    """
+
+    tolerance: float
+    gamma: float
+    r_f: float
+    ramp: float
+
+
+#: From the coarsest to the finest (`fissura study benchmarks/study.toml`).
+LEVELS = (
+    Level(0.05, 0.9, 4.0, 2.0),
+    Level(0.01, 0.75, 6.0, 2.0),
+    Level(0.005, 0.6, 8.0, 4.0),
+)
+
+_DEFAULT = LEVELS[1]
+
+
+class Adaptivity(Part):
+    """When and where the discretization is refined; its radii are nan until a case resolves them."""
+
+    criterion: str = Field(default="utilisation", description="the name of a criterion")
+    tolerance: Fraction | None = None
+    gamma: Fraction = Field(default=math.nan, validate_default=False)
+    r_f: PositiveLength = Field(default=math.nan, validate_default=False)
+    r_c: PositiveLength = Field(default=math.nan, validate_default=False)
+    coarsen: Flag = False
+    gamma_coarse: Fraction = Field(default=math.nan, validate_default=False)
+    r_w: PositiveLength = Field(default=math.nan, validate_default=False)
+    notch_tips: Flag = True
+    calibrate: Flag = True
+    regions: Annotated[tuple[Region, ...], BeforeValidator(as_tuple)] = ()
+
+    def resolved(self, l_f: float, l_c: float) -> Adaptivity:
+        """The same with every number known: by the tolerance where there is one, else by the defaults.
+
+        Parameters
+        ----------
+        l_f, l_c : float
+            Spacings [m].
+
+        Raises
+        ------
+        ValueError
+            Keys that contradict each other.
+        """
+        level = self._level()
+        level = level or _DEFAULT
+        gamma = level.gamma if math.isnan(self.gamma) else self.gamma
+        r_f = level.r_f * l_f if math.isnan(self.r_f) else self.r_f
+        r_c = r_f + level.ramp * l_c if math.isnan(self.r_c) else self.r_c
+        r_w = 3.0 * l_f if math.isnan(self.r_w) else self.r_w
+        if r_f > r_c:
+            fail(f"{r_f:g} m is larger than r_c = {r_c:g} m", "r_f at most r_c", "r_f")
+        gamma_coarse = 0.8 * gamma if math.isnan(self.gamma_coarse) else self.gamma_coarse
+        if gamma_coarse >= gamma:
+            fail(f"{gamma_coarse:g} is not below gamma = {gamma:g}", "a number below gamma", "gamma_coarse")
+        found = {"gamma": gamma, "r_f": r_f, "r_c": r_c, "r_w": r_w, "gamma_coarse": gamma_coarse}
+        if self.tolerance is not None:
+            # A case read again from its resolved values gives them beside the tolerance: the same are allowed.
+            due = {"gamma": level.gamma, "r_f": level.r_f * l_f, "r_c": level.r_f * l_f + level.ramp * l_c}
+            for key, value in due.items():
+                if not math.isclose(found[key], value, rel_tol=1e-9):
+                    fail("is given together with tolerance, which chooses it", f"either tolerance or {key}", key)
+        return self.model_copy(update=found)
+
+    def _level(self) -> Level | None:
+        """The coarsest level that keeps the tolerance; None without one."""
+        if self.tolerance is None:
+            return None
+        for level in LEVELS:
+            if level.tolerance <= self.tolerance:
+                return level
+        fail(
+            f"{self.tolerance:g} is smaller than what has been measured",
+            f"{LEVELS[-1].tolerance:g} ({LEVELS[-1].tolerance:.1%} of the peak load) or more, or gamma, r_f and r_c",
+            "tolerance",
+        )
