@@ -23,6 +23,9 @@ from fissura.results.pictures import BLUE, INK, ORANGE, headline, tidy
 
 FloatArray = NDArray[np.float64]
 
+#: Runs end when the load has fallen to this part of its peak: only the peak counts.
+AFTER_PEAK = 0.8
+
 COLOURS = [ORANGE, BLUE, "#4c8c4a", "#8a4f9e"]
 
 TEXT = """\
@@ -88,7 +91,9 @@ def produce(found: argparse.Namespace) -> Report:
         base = example(name, seed)
         for depth in found.depths:
             for k, length in enumerate(found.lengths):
-                case = changed(scaled(base, depth / 1e3), field={"length": (length / 1e3,)})
+                case = changed(
+                    scaled(base, depth / 1e3), field={"length": (length / 1e3,)}, control={"stop_load": AFTER_PEAK}
+                )
                 folder = found.folder / f"{name}_d{depth:g}_l{length:g}"
                 # The specimens of all correlation lengths are the same, so that one of them runs the companions.
                 result = ensemble(found, case, folder, 1000 * seed + round(depth), "none" if k else "each")

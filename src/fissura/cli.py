@@ -377,6 +377,8 @@ def _print_columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 
 
 app.command()(ensemble)
+
+
 @app.command()
 def study(
     plan: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],

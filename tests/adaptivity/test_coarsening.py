@@ -1,4 +1,4 @@
-"""Coarsening: what is needed, when a region shrinks, and that nothing flickers."""
+"""Coarsening: what is needed, when a region shrinks, that nothing flickers, and whole runs."""
 
 from __future__ import annotations
 
@@ -8,33 +8,49 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from fissura.adaptivity import Coarsening, RefinedRegion, needed_contacts
+from fissura.adaptivity import Coarsening, RefinedRegion, needed_bodies
 from fissura.simulation import Simulation
-from fissura.tessellation import discretize, nuclei_from_case
 from fissura.specimen import specimen_from_case
+from fissura.tessellation import discretize, nuclei_from_case
 
 ALPHA = 0.29
 
 
-def history(damage, e_n, e_t):
-    return np.array([[damage, e_n, e_t]])
+@pytest.fixture(scope="module")
+def fine(small_case):
+    """An unnotched beam that is fine all over, its region, and all its nuclei."""
+    case = small_case(notch=None)
+    box = specimen_from_case(case)
+    nuclei = nuclei_from_case(case, box)
+    l_f = nuclei.spacing
+    region = RefinedRegion(l_f, 4 * l_f, 2 * l_f, 8 * l_f, centers=nuclei.x, r_w=0.01)
+    return discretize(nuclei, box, region.spacing(nuclei.x)), region, nuclei
 
 
 @pytest.mark.parametrize(
-    ("strain", "state", "used", "needed"),
+    ("strain", "damage", "largest_n", "largest_t", "used", "needed"),
     [
-        ([0.1, 0, 0], history(1e-9, 1.0, 0.0), 0.0, True),  # damaged, however little, and unloaded
-        ([0.1, 0, 0], history(0.0, 1.0, 0.0), 0.61, True),  # unloaded, but still highly stressed
-        ([0.1, 0, 0], history(0.0, 1.0, 0.0), 0.59, False),
-        ([1.0, 0, 0], history(0.0, 1.0, 0.0), 0.31, True),  # at its largest strain: it may come to be needed
-        ([1.0, 0, 0], history(0.0, 1.0, 0.0), 0.29, False),
-        ([-5.0, 0.1, 0], history(0.0, 0.0, 1.0), 0.59, False),  # compression is no strain of the history
-        ([0, 0.6, 0.8], history(0.0, 0.0, 1.0), 0.31, True),
+        ([0.1, 0, 0], 1e-9, 1.0, 0.0, 0.0, True),  # damaged, however little, and unloaded
+        ([0.1, 0, 0], 0.0, 1.0, 0.0, 0.61, True),  # unloaded, but still highly stressed
+        ([0.1, 0, 0], 0.0, 1.0, 0.0, 0.59, False),
+        ([0.99, 0, 0], 0.0, 1.0, 0.0, 0.1, True),  # about to grow
+        ([-5.0, 0.1, 0], 0.0, 0.0, 1.0, 0.59, False),  # compression is no strain of the history
+        ([0, 0.6, 0.79], 0.0, 0.0, 1.0, 0.1, True),
     ],
 )
-def test_needed_contacts(strain, state, used, needed):
-    found = needed_contacts(np.array([strain], float), state, np.array([used]), ALPHA, 0.6)
-    assert found.tolist() == [needed]
+def test_needed_bodies(fine, strain, damage, largest_n, largest_t, used, needed):
+    """One contact differs from all others, which have unloaded: its two bodies are needed or not."""
+    tessellation, _, _ = fine
+    active = np.arange(len(tessellation.contacts))
+    strains = np.tile([0.0, 0.0, 0.0], (len(active), 1))
+    history = np.tile([0.0, 1e-9, 0.0], (len(active), 1))
+    strains[7], history[7] = strain, [damage, largest_n, largest_t]
+    utilisation = np.zeros(len(active))
+    utilisation[7] = used
+    found = needed_bodies(tessellation, active, strains, history, utilisation, ALPHA, 0.6)
+    expected = np.zeros(len(tessellation), bool)
+    expected[tessellation.contacts.bodies[7]] = needed
+    assert_array_equal(found, expected)
 
 
 def test_a_coarsened_region_keeps_what_the_case_asks_for():
@@ -54,47 +70,29 @@ def test_a_coarsened_region_keeps_what_the_case_asks_for():
     assert_array_equal(small.spacing(x) == 0.0, [True, False, True, True, False, False, True])
 
 
-@pytest.fixture(scope="module")
-def fine(small_case):
-    """A beam, fine in a long box, its region, and all its nuclei."""
-    case = small_case(notch=None)
-    box = specimen_from_case(case)
-    nuclei = nuclei_from_case(case, box)
-    region = RefinedRegion(
-        nuclei.spacing, 4 * nuclei.spacing, 2 * nuclei.spacing, 8 * nuclei.spacing, centers=nuclei.x, r_w=0.01
-    )
-    return discretize(nuclei, box, region.spacing(nuclei.x)), region, nuclei
-
-
-def asked(fine, coarsening, chosen):
-    tessellation, region, _ = fine
-    active = np.flatnonzero(tessellation.contacts.fine)
-    near = tessellation.contacts.centroid[active, 0] < chosen
-    return coarsening.smaller(region, tessellation, active, near)
+def asked(fine, coarsening, share):
+    """What is left of the region when the bodies in a share of the length are needed."""
+    tessellation, region, nuclei = fine
+    return coarsening.smaller(region, tessellation, tessellation.x[:, 0] < share * nuclei.x[:, 0].max())
 
 
 def test_it_waits_after_a_change_and_shrinks_only_where_that_saves_enough(fine):
-    tessellation, _, nuclei = fine
-    assert tessellation.fine.all()
+    _, _, nuclei = fine
     coarsening = Coarsening(nuclei.x)
-    length = nuclei.x[:, 0].max()
     for _ in range(3):
-        assert asked(fine, coarsening, 0.2 * length) is None
+        assert asked(fine, coarsening, 0.2) is None
         coarsening = coarsening.stepped()
-    small = asked(fine, coarsening, 0.2 * length)
-    assert small is not None
-    assert asked(fine, coarsening, 0.9 * length) is None
-    assert asked(fine, coarsening.refined(nuclei.x[:1]), 0.2 * length) is None
+    assert asked(fine, coarsening, 0.2) is not None
+    assert asked(fine, coarsening, 0.9) is None
+    assert asked(fine, coarsening.refined(nuclei.x[:1]), 0.2) is None
 
 
-def test_bodies_of_needed_contacts_stay_with_their_facets(fine):
+def test_needed_bodies_stay_with_a_margin(fine):
     tessellation, _, nuclei = fine
-    coarsening = replace(Coarsening(nuclei.x), rest=3)
-    limit = 0.2 * nuclei.x[:, 0].max()
-    small = asked(fine, coarsening, limit)
+    small = asked(fine, replace(Coarsening(nuclei.x), rest=3), 0.2)
     assert small is not None
-    bodies = np.unique(tessellation.contacts.bodies[tessellation.contacts.centroid[:, 0] < limit])
-    assert (small.distance(tessellation.x[bodies]) <= -small.r_w + 1e-15).all()
+    needed = tessellation.x[:, 0] < 0.2 * nuclei.x[:, 0].max()
+    assert (small.distance(tessellation.x[needed]) <= -small.r_w + 1e-15).all()
 
 
 def test_what_is_refined_again_stays(fine):
@@ -104,6 +102,40 @@ def test_what_is_refined_again_stays(fine):
     assert len(coarsening.refined(nuclei.x[:2]).lasting) == 0  # nothing was given up so far
     later = coarsening.coarsened(region).refined(np.concatenate([nuclei.x[:2], outside]))
     assert_array_equal(later.lasting, np.unique(nuclei.x[:2], axis=0))
-    small = asked(fine, replace(later, rest=3), 0.2 * nuclei.x[:, 0].max())
+    small = asked(fine, replace(later, rest=3), 0.2)
     assert small is not None
     assert (small.distance(nuclei.x[:2]) <= -small.r_f).all()
+
+
+def test_a_brittle_beam_coarsens_and_keeps_all_damage(small_case):
+    """Its wake unloads. Facets of damaged contacts never change, and no damage is lost."""
+    case = small_case(
+        material__G_t=4.0,
+        discretization__l_f=0.006,
+        discretization__l_c=0.02,
+        adaptivity__r_f=0.05,
+        adaptivity__coarsen=True,
+        adaptivity__gamma_coarse=0.7,
+        control__stop_load=0.2,
+    )
+    known: dict[tuple[int, int], tuple[float, float]] = {}
+    bodies, coarsenings, work, rest = [], 0, 1.0, 0.0
+    for step in Simulation(case).steps():
+        shot = step.snapshot
+        contacts, nucleus = shot.tessellation.contacts, shot.tessellation.nucleus
+        damaged = np.flatnonzero(shot.damage > 0.0)
+        pairs = np.sort(nucleus[contacts.bodies[damaged]], axis=1)
+        now = {
+            (int(i), int(j)): (float(contacts.area[c]), float(shot.damage[c]))
+            for c, (i, j) in zip(damaged, pairs, strict=True)
+        }
+        for pair, (area, damage) in known.items():
+            assert now[pair][0] == pytest.approx(area, rel=1e-9)
+            assert now[pair][1] >= damage * (1.0 - 1e-9)
+        known = now
+        bodies.append(step.bodies)
+        coarsenings += step.coarsenings
+        work, rest = step.work, step.work + step.exchanged - step.stored - step.dissipated
+    assert coarsenings > 0
+    assert min(np.diff(bodies)) < -100
+    assert abs(rest) < 1e-4 * work
