@@ -211,8 +211,7 @@ def test_a_bar_with_elastic_ends_breaks_between_them():
     assert held.min() > 0.03
     assert held.max() < 0.07
     # A crack through the whole section takes more than one through single facets.
-    assert spent[0] < 0.5
-    assert spent[1] > 1.0
+    assert spent[1] > max(1.0, 1.5 * spent[0])
 
 
 @pytest.mark.parametrize(

@@ -72,7 +72,8 @@ def test_every_step_is_in_equilibrium(kind, full):
         held = np.any([attach(s, tessellation).any(axis=1) for s in conditions.supports], axis=0)
         forces = nodal_forces(kinematics(tessellation), step.snapshot.traction)
         contacts = tessellation.contacts  # with the trace of rotational stiffness that they have
-        spin = 1e-6 * case.material.E * contacts.area**2 / (12.0 * contacts.length)
+        few = (np.bincount(contacts.bodies.ravel())[contacts.bodies] <= 6).any(axis=1)
+        spin = np.where(few, 1e-3, 1e-6) * case.material.E * contacts.area**2 / (12.0 * contacts.length)
         add_spin(kinematics(tessellation), spin, step.snapshot.displacement, forces)
         weights = np.repeat([1.0, 2.0 / np.median(tessellation.contacts.length)], 3)
         residual = weights * (step.load * load - forces)[~held]
@@ -85,8 +86,8 @@ def test_every_step_is_in_equilibrium(kind, full):
 def test_energy_balance(kind, full):
     """Work of the load, and what changes of the discretization put in, is stored or dissipated, at every step.
 
-    What is left, about 3e-6, is the energy of supports and of the stiffness against spinning. Refinements put in 0.1 to
-    0.2 % of the work with the default radius, 1.0 % with half of it.
+    What is left is the residual of equilibrium. Refinements put in 0.1 to 0.2 % of the work with the default radius,
+    1.0 % with half of it.
     """
     _, steps = done(kind, full)
     work = np.array([s.work for s in steps])
@@ -115,7 +116,8 @@ def test_work_and_stored_energy_from_the_curve_and_the_snapshot(kind, full):
         state = step.snapshot
         contacts = state.tessellation.contacts
         stored = 0.5 * np.einsum("c,ca,ca->", contacts.area * contacts.length, state.traction, state.strain)
-        assert step.stored == pytest.approx(stored, rel=1e-12)
+        # The rest is in supports, and in the stiffness against spinning.
+        assert stored < step.stored < 1.001 * stored
 
 
 @every_kind

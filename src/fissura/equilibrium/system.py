@@ -22,6 +22,7 @@ from fissura.contact import (
 )
 from fissura.equilibrium.assembly import Pattern, add_spin, assemble, pattern
 from fissura.equilibrium.attach import attach, attach_rows, owners
+from fissura.equilibrium.krylov import dot
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.symmetric import SymmetricSolver
@@ -45,8 +46,11 @@ _SUPPORT_STIFFNESS = 1e5
 #: Bodies up to which a support enters the matrix, as a dense block: as many entries as 240 bodies of the inside have.
 _NARROW = 60
 
-#: Share of a glued facet's rotational stiffness that contacts keep.
-_SPIN_STIFFNESS = 1e-6
+#: Share of a glued facet's rotational stiffness that contacts keep, also where one of their bodies has few of them.
+_SPIN_STIFFNESS, _SPIN_STIFFNESS_OF_FEW = 1e-6, 1e-3
+
+#: Contacts up to which they are few: bodies at corners and edges have 5 or 6, others 15.
+_FEW = 6
 
 
 #: Stiffness relative to the elastic one that is the same but for round-off.
@@ -205,12 +209,15 @@ class System:
         """A trace of rotational stiffness in every contact [N m], shape (m,).
 
         Contacts act at one point of their facets, so a body at a corner that touches only two others may spin freely
-        about the line between these points. The stiffness against relative rotation of a facet glued over its whole
-        area, ``E A^2 / (12 L)``, times a tiny factor stops that; it does no work in uniform strain, where rotations
-        are equal.
+        about the line between these points, and so may one with five of which three are broken: the load could not be
+        found where that begins. The stiffness against relative rotation of a facet glued over its whole area, ``E A^2 /
+        (12 L)``, times a tiny factor stops that; it does no work in uniform strain, where rotations are equal.
         """
         contacts = self.tessellation.contacts
-        stiffness: FloatArray = _SPIN_STIFFNESS * self.material.E * contacts.area**2 / (12.0 * contacts.length)
+        count = np.bincount(contacts.bodies.ravel(), minlength=len(self.tessellation))
+        few = (count[contacts.bodies] <= _FEW).any(axis=1)
+        share = np.where(few, _SPIN_STIFFNESS_OF_FEW, _SPIN_STIFFNESS)
+        stiffness: FloatArray = share * self.material.E * contacts.area**2 / (12.0 * contacts.length)
         return stiffness
 
     @property
@@ -288,8 +295,8 @@ class System:
         return self.active[chosen], change[chosen]
 
     def stored(self, response: Response) -> float:
-        """Elastic energy, ``sum A L s . e / 2`` [J]."""
-        return 0.5 * float(np.einsum("c,ca,ca->", self.geometry.volume, response.traction, response.strain))
+        """Elastic energy of contacts, ``sum A L s . e / 2``, of the stiffness against spinning and of supports [J]."""
+        return 0.5 * dot(response.forces, response.u)
 
     def dissipated(self, old: Response, new: Response) -> FloatArray:
         """Energy dissipated by each contact between two responses, ``A L (s_old.e_new - s_new.e_old)/2`` [J]; (m,)."""
