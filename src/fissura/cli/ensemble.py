@@ -10,6 +10,11 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from fissura.cli.console import INTERRUPTED, STOPPED, errors, not_written, print_table, say, warnings
+from fissura.cli.options import CaseArgument, FullOption, OverwriteOption, QuietOption
+from fissura.errors import EnsembleStopped
+from fissura.interrupts import interruptible
+
 __all__ = ["ensemble"]
 
 
@@ -37,7 +42,7 @@ class Companions(StrEnum):
 
 
 def ensemble(
-    case: Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)],
+    case: CaseArgument,
     runs: Annotated[int, typer.Option(min=1, help="Number of realisations.", show_default=False)],
     mode: Annotated[
         Mode | None, typer.Option(help="What is random.", show_default="both with a [field], else geometry")
@@ -57,27 +62,22 @@ def ensemble(
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this Dask scheduler instead.")
     ] = None,
-    full: Annotated[bool, typer.Option("--full", help="Full resolution everywhere, no adaptivity.")] = False,
+    full: FullOption = False,
     keep: Annotated[
         bool, typer.Option("--keep", help="Keep all the files of every run, pictures and VTK, too.")
     ] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with what is in the folder.")] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace earlier results there.")] = False,
+    overwrite: OverwriteOption = False,
     seed: Annotated[
         int | None, typer.Option(min=0, help="Seed of the ensemble.", show_default="that of the case")
     ] = None,
     output: Annotated[
         Path | None, typer.Option(help="Folder for the results.", show_default="results/NAME_ensemble")
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print errors and warnings only.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Run many realisations of a case, on all processors or on a cluster, and evaluate them together."""
-    # The command line imports this module, so what they share is imported when it is called.
-    from fissura.cli import INTERRUPTED, NOT_WRITTEN, STOPPED, _errors, _print_table, _say, _warnings
-    from fissura.errors import EnsembleStopped
-    from fissura.interrupts import interruptible
-
-    with _errors(), interruptible(_say):
+    with errors(), interruptible(say):
         from fissura.case import load_case
         from fissura.ensemble.progress import EnsembleProgress
         from fissura.ensemble.runner import run_ensemble
@@ -89,7 +89,7 @@ def ensemble(
         progress = None if quiet else EnsembleProgress(console)
         go_on = f"what has ended is saved in {folder}; --resume goes on from there"
         try:
-            with _warnings(console), progress or nullcontext():
+            with warnings(console), progress or nullcontext():
                 result = run_ensemble(
                     loaded,
                     runs,
@@ -110,21 +110,19 @@ def ensemble(
                     on_outcome=progress.outcome if progress else None,
                 )
         except KeyboardInterrupt:
-            _say(f"interrupted; {go_on}")
+            say(f"interrupted; {go_on}")
             raise typer.Exit(INTERRUPTED) from None
         except EnsembleStopped as error:
-            _say(f"error: {error}; {go_on}")
+            say(f"error: {error}; {go_on}")
             raise typer.Exit(STOPPED) from None
         except OSError as error:
-            where = error.filename or f"a file in {folder}"
-            _say(f"error: {where}: cannot be written: {error.strerror or error}; {go_on}")
-            raise typer.Exit(NOT_WRITTEN) from None
+            raise not_written(error, error.filename or f"a file in {folder}", go_on) from None
         if not quiet:
-            _print_table([*result.table(), ("results", str(folder)), ("report", str(folder / "report.html"))])
+            print_table([*result.table(), ("results", str(folder)), ("report", str(folder / "report.html"))])
         if not result.complete:
             unfinished = result.unfinished()
             for name, reason in unfinished[:10]:
-                _say(f"{name} {reason}")
+                say(f"{name} {reason}")
             more = f", {len(unfinished) - 10} more of them not named here" if len(unfinished) > 10 else ""
-            _say(f"error: {len(unfinished)} runs did not finish{more}; see {folder / 'report.html'}")
+            say(f"error: {len(unfinished)} runs did not finish{more}; see {folder / 'report.html'}")
             raise typer.Exit(STOPPED)

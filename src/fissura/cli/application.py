@@ -1,0 +1,63 @@
+"""The program ``fissura``: its commands together, and how it starts."""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+from typing import Annotated
+
+import typer
+
+from fissura.cli.elastic import elastic
+from fissura.cli.ensemble import ensemble
+from fissura.cli.pictures import animate, compare, moments
+from fissura.cli.running import check, new, run
+from fissura.cli.study import study
+
+__all__ = ["app", "main", "start_light"]
+
+app = typer.Typer(
+    help="Breaks concrete on a computer: adaptive discrete models of fracture.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+# In the order in which the help lists them.
+for command in (run, check, new, compare, moments, animate, elastic, ensemble, study):
+    app.command()(command)
+
+
+def main() -> None:
+    """Run the command line; errors of the user end it with one message, never with a traceback."""
+    start_light()
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    app()
+
+
+def start_light() -> None:
+    """Settings of the process that make its start cheaper; they change no result."""
+    # Threads of OpenBLAS, of which NumPy and SciPy bring one copy each, spin after loading unless told to sleep.
+    os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "4")
+    # Imports make many lasting objects; with the default of 700 the collector passes over them again and again.
+    gc.set_threshold(50_000, 20, 50)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from fissura import __version__
+
+        typer.echo(f"fissura {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _top(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None:
+    pass

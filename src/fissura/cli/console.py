@@ -1,0 +1,164 @@
+"""What commands share: errors as a message and an exit status, warnings, tables."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from fissura.errors import FissuraError, InputError, RunStopped
+
+__all__ = [
+    "BAD_INPUT",
+    "INTERRUPTED",
+    "NOT_WRITTEN",
+    "STOPPED",
+    "Warnings",
+    "errors",
+    "file_names",
+    "not_written",
+    "print_columns",
+    "print_table",
+    "say",
+    "warnings",
+    "writing",
+]
+
+#: Exit status of a command that did not do what it was asked for.
+BAD_INPUT, STOPPED, NOT_WRITTEN, INTERRUPTED = 2, 3, 4, 130
+
+
+def say(message: str) -> None:
+    """Write a message to the user on standard error, unwrapped."""
+    typer.echo(message, err=True)
+
+
+@contextmanager
+def errors() -> Iterator[None]:
+    """Turn the errors a user can meet into a message and an exit status."""
+    try:
+        yield
+    except RunStopped as error:
+        say(f"error: {error}{_saved(error)}")
+        raise typer.Exit(STOPPED) from None
+    except FissuraError as error:
+        say(f"error: {error}")
+        raise typer.Exit(BAD_INPUT) from None
+    except KeyboardInterrupt as error:
+        say(f"interrupted{_saved(error)}")
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _saved(error: BaseException) -> str:
+    """What was saved of a run that ended early."""
+    result = getattr(error, "result", None)
+    if result is None or result.folder is None:
+        return "; nothing was saved"
+    steps = len(result.curve["step"])
+    return f"; the {steps} steps before it are saved in {result.folder}: {file_names(result.folder)}"
+
+
+def file_names(folder: Path) -> str:
+    """Names of the files in a folder."""
+    return ", ".join(sorted(path.name for path in folder.iterdir() if path.is_file()))
+
+
+def not_written(error: OSError, where: str | Path, kept: str = "") -> typer.Exit:
+    """Say that a file could not be written; what is returned ends the command.
+
+    Parameters
+    ----------
+    error : OSError
+        What went wrong.
+    where : str or Path
+        The file or folder.
+    kept : str, optional
+        What is not lost.
+    """
+    say(f"error: {where}: cannot be written: {error.strerror or error}{'; ' if kept else ''}{kept}")
+    return typer.Exit(NOT_WRITTEN)
+
+
+@contextmanager
+def writing(picture: Path, option: str) -> Iterator[None]:
+    """Turn what can go wrong in writing a picture into a message.
+
+    Parameters
+    ----------
+    picture : Path
+        The file.
+    option : str
+        The option that names it.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise not_written(error, picture) from None
+    except ValueError as error:  # matplotlib does not know the file's type
+        if isinstance(error, FissuraError):
+            raise
+        raise InputError(option, f"{picture}: {error}", "a name that ends in .png, .pdf or .svg") from None
+
+
+class Warnings(logging.Handler):
+    """Shows what Fissura's modules log as warnings, each once.
+
+    Parameters
+    ----------
+    console : Console
+        Where to write.
+    """
+
+    def __init__(self, console: Console) -> None:
+        super().__init__(logging.WARNING)
+        self.console = console
+        self.shown: set[str] = set()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Show what was logged."""
+        self.show(record.getMessage())
+
+    def show(self, message: str) -> None:
+        """Show a warning, unless it was shown before."""
+        if message not in self.shown:
+            self.shown.add(message)
+            self.console.print(f"warning: {message}", markup=False, highlight=False, soft_wrap=True)
+
+
+@contextmanager
+def warnings(console: Console) -> Iterator[Warnings]:
+    """Show warnings of the package's loggers on a console."""
+    logger, handler = logging.getLogger("fissura"), Warnings(console)
+    logger.addHandler(handler)
+    try:
+        yield handler
+    finally:
+        logger.removeHandler(handler)
+
+
+def print_table(rows: Sequence[tuple[str, str]], title: str = "") -> None:
+    """Print rows of name and value: a table in a terminal, plain lines elsewhere."""
+    console = Console()
+    if not console.is_terminal:
+        width = max(len(name) for name, _ in rows)
+        for name, value in rows:
+            typer.echo(f"{name:<{width}}  {value}")
+        return
+    table = Table(title=title or None, show_header=False)
+    for name, value in rows:
+        table.add_row(Text(name, style="bold"), Text(value))
+    console.print(table)
+
+
+def print_columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table with heads, columns aligned; wide ones are never wrapped."""
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    for row in (heads, *rows):
+        typer.echo("  ".join(f"{text:<{width}}" for text, width in zip(row, widths, strict=True)).rstrip())
+    typer.echo("")

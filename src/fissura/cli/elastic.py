@@ -1,0 +1,91 @@
+"""The command ``fissura elastic``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from fissura.cli.console import errors, not_written, print_columns, print_table
+from fissura.cli.options import OverwriteOption
+from fissura.errors import InputError
+
+__all__ = ["elastic"]
+
+ALPHA = "0.05,0.1,0.2,0.29,0.4,0.5,0.7,1"
+
+
+def elastic(
+    case: Annotated[
+        Path | None, typer.Argument(metavar="[CASE]", help="Print the constants of this case.", show_default=False)
+    ] = None,
+    alpha: Annotated[str, typer.Option(help="Tangential over normal stiffness of contacts.")] = ALPHA,
+    sizes: Annotated[str, typer.Option(help="Sides of cells and widths of prisms, in l_min.")] = "4,6,8,12",
+    seeds: Annotated[int, typer.Option(min=1, help="Number of structures of each kind and size.")] = 5,
+    aspect: Annotated[float, typer.Option(min=1.0, max=10.0, help="Length over width of prisms; 1: cubes.")] = 2.0,
+    modulus: Annotated[
+        str | None, typer.Option("--E", metavar="STRESS", help='Modulus of contacts, "60 GPa"; else all are relative.')
+    ] = None,
+    inverse: Annotated[
+        tuple[str, str] | None,
+        typer.Option(metavar="E=38GPa nu=0.18", help="Print the contact constants that give these of the material."),
+    ] = None,
+    output: Annotated[Path, typer.Option(help="Folder for table and pictures.")] = Path("results/elastic"),
+    overwrite: OverwriteOption = False,
+) -> None:
+    """Elastic constants of the material as a whole: computed from structures, of a case, or the inverse."""
+    with errors():
+        from fissura.elasticity import request
+
+        if inverse is not None:
+            if case is not None:
+                raise InputError("--inverse", "is given together with a case", "one of both")
+            print_table(request.inverse_rows(*request.parse_inverse(inverse)))
+        elif case is not None:
+            from fissura.case import load_case
+
+            print_table(request.case_rows(load_case(case)))
+        else:
+            E = None if modulus is None else request.parse_modulus(modulus, "--E")
+            wanted = request.parse_numbers(alpha, "--alpha", 0.0, 1.0, above=True)
+            widths = request.parse_numbers(sizes, "--sizes", request.SMALLEST, request.LARGEST)
+            _study(wanted, widths, seeds, aspect, E, output, overwrite)
+
+
+def _study(
+    alphas: Sequence[float],
+    sizes: Sequence[float],
+    seeds: int,
+    aspect: float,
+    E: float | None,
+    output: Path,
+    overwrite: bool,
+) -> None:
+    """Compute, print and write a study of elastic constants."""
+    from rich.progress import Progress
+
+    from fissura.api import prepare_folder
+    from fissura.elasticity import request
+    from fissura.elasticity.study import structure_seeds, study
+
+    folder = prepare_folder(output, overwrite=overwrite)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("structures", total=None)
+        found = study(
+            alphas,
+            sizes,
+            structure_seeds(seeds),
+            aspect=aspect,
+            on_structure=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    for heads, rows in (request.study_table(found, E), request.layer_table(found)):
+        if rows:
+            print_columns(heads, rows)
+    try:
+        names = request.write(found, folder, E)
+    except OSError as error:
+        raise not_written(error, folder) from None
+    typer.echo(f"written in {folder}: {', '.join(names)}")

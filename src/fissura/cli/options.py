@@ -1,0 +1,15 @@
+"""Arguments and options that several commands take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["CaseArgument", "FullOption", "OverwriteOption", "QuietOption"]
+
+CaseArgument = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)]
+FullOption = Annotated[bool, typer.Option("--full", help="Full resolution everywhere, no adaptivity.")]
+OverwriteOption = Annotated[bool, typer.Option("--overwrite", help="Replace earlier results there.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", help="Print errors and warnings only.")]

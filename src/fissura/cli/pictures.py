@@ -1,0 +1,79 @@
+"""Commands that draw finished runs: ``fissura compare``, ``moments`` and ``animate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fissura.cli.console import errors, print_table, writing
+
+__all__ = ["animate", "compare", "moments"]
+
+ResultArgument = Annotated[Path, typer.Argument(metavar="RESULT", help="Result folder.", show_default=False)]
+StressOption = Annotated[
+    bool, typer.Option("--stress", help="Colour bodies by their largest principal stress, not by size.")
+]
+
+
+def compare(
+    a: Annotated[Path, typer.Argument(metavar="A", help="Result folder.", show_default=False)],
+    b: Annotated[Path, typer.Argument(metavar="B", help="Result folder: the reference.", show_default=False)],
+    plot: Annotated[Path | None, typer.Option(help="File for the picture.", show_default="A/compare.png")] = None,
+    bodies: Annotated[
+        bool, typer.Option("--bodies", help="Draw bodies and cracks of both, too: compare_bodies.png.")
+    ] = False,
+) -> None:
+    """Compare two runs: a table of differences, and a picture of both curves."""
+    with errors():
+        from fissura.results.compare import compare as compare_folders
+
+        comparison = compare_folders(a, b)
+        print_table(comparison.table(), title=f"{a} against {b}")
+        picture = plot if plot is not None else a / "compare.png"
+        with writing(picture, "--plot"):
+            comparison.plot(picture)
+        typer.echo(f"picture: {picture}")
+        if bodies:
+            from fissura.results.moments import plot_bodies
+
+            beside = picture.with_name(f"{picture.stem}_bodies{picture.suffix}")
+            with writing(beside, "--plot"):
+                plot_bodies(comparison, beside)
+            typer.echo(f"picture: {beside}")
+
+
+def moments(
+    folder: ResultArgument,
+    output: Annotated[Path | None, typer.Option(help="File to write.", show_default="RESULT/moments.png")] = None,
+    stress: StressOption = False,
+) -> None:
+    """Draw bodies and crack at four moments of a run, and its curve."""
+    with errors():
+        from fissura.results.moments import plot_moments
+
+        path = output if output is not None else folder / "moments.png"
+        with writing(path, "--output"):
+            plot_moments(folder, path, stress=stress)
+        typer.echo(f"picture: {path}")
+
+
+def animate(
+    folder: ResultArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="File to write: .gif, or .mp4 with ffmpeg.", show_default="RESULT/refinement.gif"),
+    ] = None,
+    fps: Annotated[int, typer.Option(min=1, max=50, help="Frames per second.")] = 10,
+    size: Annotated[int, typer.Option(min=320, max=4000, help="Width in pixels.")] = 960,
+    stress: StressOption = False,
+) -> None:
+    """Animate a run: bodies grow finer, the crack opens, the curve grows."""
+    with errors():
+        from fissura.results.animation import animate as write_animation
+
+        path = output if output is not None else folder / "refinement.gif"
+        with writing(path, "--output"):
+            count = write_animation(folder, path, fps=fps, width=size, stress=stress)
+        typer.echo(f"animation: {path}, {count} frames")

@@ -1,0 +1,88 @@
+"""Commands about one case: ``fissura run``, ``check`` and ``new``."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from fissura.cli.console import errors, file_names, not_written, print_table, say, warnings
+from fissura.cli.options import CaseArgument, FullOption, OverwriteOption, QuietOption
+from fissura.errors import InputError
+from fissura.interrupts import interruptible
+
+__all__ = ["check", "new", "run"]
+
+
+def run(
+    case: CaseArgument,
+    full: FullOption = False,
+    output: Annotated[Path | None, typer.Option(help="Folder for the results.", show_default="results/NAME")] = None,
+    overwrite: OverwriteOption = False,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed, instead of that of the case.")] = None,
+    quiet: QuietOption = False,
+) -> None:
+    """Run a case and write its results."""
+    with errors(), interruptible(say):
+        from fissura import api
+        from fissura.case import load_case
+        from fissura.progress import RunProgress
+
+        loaded = load_case(case)
+        folder = output if output is not None else Path("results") / (loaded.name + ("_full" if full else ""))
+        console = Console(stderr=True)
+        progress = None if quiet else RunProgress(console, loaded)
+        try:
+            with warnings(console) as shown, progress or nullcontext():
+                result = api.run(
+                    loaded,
+                    full=full,
+                    output=folder,
+                    overwrite=overwrite,
+                    seed=seed,
+                    on_start=progress.start if progress else None,
+                    on_step=progress.step if progress else None,
+                )
+                for message in result.summary["warnings"]:
+                    shown.show(message)
+        except OSError as error:
+            kept = f"kept in {folder}: {file_names(folder)}" if folder.is_dir() else "nothing was kept"
+            raise not_written(error, error.filename or f"a file in {folder}", kept) from None
+        if not quiet:
+            print_table([*result.table(), ("results", str(folder)), ("files", file_names(folder))])
+
+
+def check(case: CaseArgument) -> None:
+    """Validate a case and say what would be run, without running it."""
+    with errors():
+        from fissura.case import load_case
+        from fissura.check import report
+
+        with warnings(Console(stderr=True)) as shown:
+            found = report(load_case(case))
+            print_table(found.table())
+            for message in found.warnings:
+                shown.show(message)
+
+
+def new(
+    template: Annotated[str | None, typer.Argument(help="Name of a template.", show_default=False)] = None,
+    list_: Annotated[bool, typer.Option("--list", help="List the templates.")] = False,
+) -> None:
+    """Print a commented case to start from: fissura new beam > case.toml."""
+    with errors():
+        folder = files("fissura") / "templates"
+        known = {item.name.removesuffix(".toml"): item for item in folder.iterdir() if item.name.endswith(".toml")}
+        if list_:
+            for name in sorted(known):
+                first = known[name].read_text(encoding="utf-8").splitlines()[0]
+                typer.echo(f"{name:<10} {first.removeprefix('#').strip()}")
+        elif template not in known:
+            problem = f"{template!r} is not known" if template else "missing"
+            raise InputError("template", problem, ", ".join(sorted(known)))
+        else:
+            typer.echo(known[template].read_text(encoding="utf-8"), nl=False)

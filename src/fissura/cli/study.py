@@ -1,0 +1,58 @@
+"""The command ``fissura study``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fissura.cli.console import INTERRUPTED, errors, not_written, print_table, say
+from fissura.interrupts import interruptible
+
+if TYPE_CHECKING:
+    from fissura.study.record import Record
+
+__all__ = ["study"]
+
+
+def study(
+    plan: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],
+    output: Annotated[Path | None, typer.Option(help="Folder.", show_default="results/NAME of the file")] = None,
+    workers: Annotated[int, typer.Option(min=1, help="Runs at the same time.")] = 1,
+    again: Annotated[
+        list[str] | None,
+        typer.Option(help="Run this variation once more; also: full, failures. May be given several times."),
+    ] = None,
+    report: Annotated[bool, typer.Option("--report", help="Run nothing, only compare what is there.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print errors and the outcome only.")] = False,
+) -> None:
+    """Run specimens with several choices of parameters, adaptive and at full resolution, and compare them.
+
+    What the folder has already is not run again, so that an interrupted study goes on where it was.
+    """
+    folder = output if output is not None else Path("results") / plan.stem
+    with errors(), interruptible(say):
+        from fissura.study import load_plan, run_study, write_outcome
+
+        def tell(task: object, record: Record, left: int) -> None:
+            if not quiet:
+                seconds = f"{record.summary['cpu_s']:.1f} s" if record.summary else "no steps"
+                say(f"{task}: {record.status}, {seconds}; {left} left")
+
+        try:
+            found = run_study(load_plan(plan), folder, workers=workers, again=again or (), run=not report, on_done=tell)
+            files = write_outcome(found, folder)
+        except KeyboardInterrupt:
+            say(f"interrupted; finished runs are saved in {folder}, the same command goes on from there")
+            raise typer.Exit(INTERRUPTED) from None
+        except OSError as error:
+            raise not_written(error, error.filename or folder) from None
+        early = sum(not m.finished for m in found.found)
+        print_table(
+            [
+                ("adaptive runs", f"{len(found.found)}, {early} of which did not finish or have a twin that did not"),
+                ("runs left", f"{found.left}"),
+                ("written", ", ".join(str(path) for path in files)),
+            ]
+        )
