@@ -24,15 +24,17 @@ import fissura.ensemble.report as report
 import fissura.ensemble.runner as runner
 from fissura.case import Case
 from fissura.cli import app
-from fissura.ensemble.cluster import workers_that_fit
+from fissura.ensemble.cluster import connected, workers_that_fit
 from fissura.ensemble.outcome import Outcome, compute
 from fissura.ensemble.plan import Plan, Task
 from fissura.ensemble.progress import EnsembleProgress
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.runner import run_ensemble
 from fissura.ensemble.store import Store
+from fissura.equilibrium.team import Team
 from fissura.errors import EnsembleStopped, InputError
 from fissura.results.curve import read_curve
+from fissura.threads import VARIABLE
 
 Build = Callable[..., Case]
 
@@ -234,6 +236,18 @@ def test_a_scheduler_that_goes_is_no_crash(tiny_file: Path, tmp_path: Path, monk
     assert done.exit_code == 3
     assert "3 of 4 runs are missing" in done.stderr
     assert "--resume" in done.stderr
+
+
+@pytest.mark.parametrize(("environment", "expected"), [(None, 1), ("3", 3)])
+def test_workers_use_one_thread_unless_told_otherwise(
+    monkeypatch: pytest.MonkeyPatch, environment: str | None, expected: int
+) -> None:
+    monkeypatch.delenv(VARIABLE, raising=False)
+    if environment is not None:
+        monkeypatch.setenv(VARIABLE, environment)
+    with connected(1) as client:
+        assert client.submit(lambda: Team().threads).result() == expected
+    assert os.environ.get(VARIABLE) == environment
 
 
 def test_arguments_that_do_not_go_together(tiny: Build, tmp_path: Path) -> None:

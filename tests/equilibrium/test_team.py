@@ -5,7 +5,6 @@ from numba import njit
 from equilibrium.models import beam, beam_system
 from fissura import Simulation
 from fissura.case import case_from_dict
-from fissura.equilibrium import team as module
 from fissura.equilibrium.block_cholesky import IncompleteCholesky
 from fissura.equilibrium.blocks import held_bodies, lower_blocks, multiply
 from fissura.equilibrium.domains import dissected_order, domain_count
@@ -13,6 +12,7 @@ from fissura.equilibrium.krylov import _orthogonalized, _pieces, gmres
 from fissura.equilibrium.team import ALONE, Team
 from fissura.equilibrium.two_level import TwoLevel
 from fissura.errors import InputError
+from fissura.threads import VARIABLE
 
 FINE = {"discretization": {"l_f": 0.005, "l_c": 0.01}}
 DOMAINS = 3
@@ -54,18 +54,18 @@ def test_an_error_in_a_piece_comes_out():
 
 
 def test_threads_are_as_many_as_asked_for(monkeypatch):
-    monkeypatch.delenv(module.VARIABLE, raising=False)
+    monkeypatch.delenv(VARIABLE, raising=False)
     assert 1 <= Team().threads <= 4
     assert Team(7).threads == 7
-    monkeypatch.setenv(module.VARIABLE, "3")
+    monkeypatch.setenv(VARIABLE, "3")
     assert Team().threads == 3
     assert Team(1).threads == 1
 
 
 @pytest.mark.parametrize("value", ["", "0", "-1", "two", "1.5", "²"])
 def test_a_wrong_number_in_the_environment_is_reported(monkeypatch, value):
-    monkeypatch.setenv(module.VARIABLE, value)
-    with pytest.raises(InputError, match=module.VARIABLE):
+    monkeypatch.setenv(VARIABLE, value)
+    with pytest.raises(InputError, match=VARIABLE):
         Team()
 
 

@@ -9,10 +9,12 @@ import pytest
 from typer.testing import CliRunner
 
 from fissura.cli import app
+from fissura.equilibrium.team import Team
 from fissura.errors import InputError
 from fissura.study import load_plan, plan_from_dict, run_study, write_outcome
 from fissura.study.plan import FULL
 from fissura.study.record import Record
+from fissura.threads import VARIABLE
 
 from .models import STUDY, write_study
 
@@ -140,6 +142,24 @@ def test_an_unexpected_error_fails_one_run_only(tmp_path, monkeypatch):
     (found,) = run_study(plan, tmp_path / "out").found
     assert (found.end, found.end_full) == ("failed", "target")
     assert found.message == "ZeroDivisionError: nobody thought of this"
+
+
+@pytest.mark.parametrize(("environment", "expected"), [(None, 1), ("3", 3)])
+def test_processes_use_one_thread_unless_told_otherwise(tmp_path, monkeypatch, environment, expected):
+    class StartedError(Exception):
+        pass
+
+    def start(*_, **__):  # processes inherit the environment of this moment
+        raise StartedError(Team().threads)
+
+    monkeypatch.delenv(VARIABLE, raising=False)
+    if environment is not None:
+        monkeypatch.setenv(VARIABLE, environment)
+    monkeypatch.setattr(import_module("fissura.study.pool"), "ProcessPoolExecutor", start)
+    with pytest.raises(StartedError) as caught:
+        run_study(load_plan(write_study(tmp_path, ONE)), tmp_path / "out", workers=2)
+    assert caught.value.args == (expected,)
+    assert os.environ.get(VARIABLE) == environment
 
 
 # The command

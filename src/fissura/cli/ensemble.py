@@ -58,7 +58,7 @@ def ensemble(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one per processor")
     ] = None,
-    threads_per_worker: Annotated[int, typer.Option(min=1, help="Threads of linear algebra in each.")] = 1,
+    threads_per_worker: Annotated[int, typer.Option(min=1, help="Threads of each.")] = 1,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this Dask scheduler instead.")
     ] = None,

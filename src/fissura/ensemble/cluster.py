@@ -13,6 +13,7 @@ from fissura.check import estimate_bodies, estimate_memory, physical_memory
 from fissura.ensemble.outcome import Outcome, compute
 from fissura.ensemble.plan import Task
 from fissura.errors import EnsembleStopped, InputError
+from fissura.threads import threads_each
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -30,9 +31,6 @@ _ATTEMPTS = 5
 
 #: Seconds between looks for results, and between checks that all local workers are there.
 _POLL, _HEAL = 0.02, 2.0
-
-#: Libraries that start threads of their own, by the variable that limits them.
-THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 def require_dask() -> None:
@@ -68,7 +66,8 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
     workers : int
         Local processes to start, unless there is a scheduler.
     threads : int, optional
-        Threads of linear algebra in each of them.
+        Threads of each of them, in Fissura's kernels and in linear algebra, unless environment variables that limit
+        them are set already.
     scheduler : str, optional
         Address of a scheduler whose workers are to be used, for example ``"tcp://127.0.0.1:8786"``.
 
@@ -81,9 +80,9 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
     import dask
     from distributed import Client, LocalCluster
 
-    limits = {name: str(threads) for name in THREADS}
     settings = {
-        "distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": "65536", **limits},
+        # Threads are limited below: what is set here would stay in the environment of this process.
+        "distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": "65536"},
         # A worker has no run waiting beside the one it computes, which would be blamed, too, when it dies.
         "distributed.scheduler.worker-saturation": 1.0,
         # A busy machine takes long to start the process anew.
@@ -92,6 +91,7 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(settings))
         stack.enter_context(_silent())
+        stack.enter_context(threads_each(threads))
         if scheduler is None:
             cluster: Any = stack.enter_context(
                 LocalCluster(

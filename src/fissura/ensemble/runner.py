@@ -76,7 +76,7 @@ def run_ensemble(
     workers : int, optional
         Processes on this machine; by default one per processor, as far as memory allows.
     threads_per_worker : int, optional
-        Threads of linear algebra in each of them.
+        Threads of each of them, unless environment variables as MKL_NUM_THREADS are set already.
     scheduler : str, optional
         Address of a Dask scheduler whose workers are used instead.
     on_start : callable, optional

@@ -11,14 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
+from fissura.threads import VARIABLE
 
 if TYPE_CHECKING:
     from concurrent.futures import ThreadPoolExecutor
 
 __all__ = ["ALONE", "Team", "usable_processors"]
-
-#: Environment variable that says how many threads to use where a case does not, for programs that start many runs.
-VARIABLE = "FISSURA_THREADS"
 
 #: Large structures fall into so many domains, and more threads would wait for memory.
 _MOST = 4

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from multiprocessing import get_context
 from multiprocessing.synchronize import Event
 from pathlib import Path
@@ -16,11 +14,9 @@ from fissura.errors import FissuraError
 from fissura.study.execute import execute, warm_up
 from fissura.study.plan import Task
 from fissura.study.record import Record
+from fissura.threads import threads_each
 
 __all__ = ["run_tasks"]
-
-#: Threads of numerical libraries in every worker.
-_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 Told = Callable[[Task, Record], None]
 
@@ -37,7 +33,7 @@ def run_tasks(tasks: Sequence[Task], folder: Path, workers: int = 1, on_done: To
     folder : Path
         Folder of the study.
     workers : int
-        Processes; 1 runs in this one.
+        Processes, of one thread each unless environment variables say otherwise; 1 runs in this one.
     on_done : callable, optional
         Told of every record that was saved.
 
@@ -61,7 +57,7 @@ def run_tasks(tasks: Sequence[Task], folder: Path, workers: int = 1, on_done: To
     context = get_context("spawn")  # a forked copy of threads of numerical libraries may hang
     event = context.Event()
     with (
-        _one_thread_each(),
+        threads_each(),
         ProcessPoolExecutor(min(workers, len(tasks)), context, initializer=_begin, initargs=(event,)) as pool,
     ):
         waiting = {pool.submit(_run_and_save, task, folder): task for task in tasks}
@@ -104,15 +100,3 @@ def _run_and_save(task: Task, folder: Path) -> Record | None:
         return None
     record.save(folder / task.path)
     return record
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Let processes that start inside use one thread each, unless the user said otherwise."""
-    added = [name for name in _THREADS if name not in os.environ]
-    os.environ.update(dict.fromkeys(added, "1"))
-    try:
-        yield
-    finally:
-        for name in added:
-            del os.environ[name]

@@ -1,0 +1,40 @@
+"""How many threads a process uses: environment variables that limit them, for processes that run side by side."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+__all__ = ["LIMITS", "VARIABLE", "threads_each"]
+
+#: Environment variable that says how many threads to use where a case does not, for programs that start many runs.
+VARIABLE = "FISSURA_THREADS"
+
+#: It, and those of libraries that start threads of their own.
+LIMITS = (
+    VARIABLE,
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+)
+
+
+@contextmanager
+def threads_each(count: int = 1) -> Iterator[None]:
+    """Let processes that start inside use so many threads each, unless the user's environment says otherwise.
+
+    Parameters
+    ----------
+    count : int, optional
+        Threads of a process.
+    """
+    added = [name for name in LIMITS if name not in os.environ]
+    os.environ.update(dict.fromkeys(added, str(count)))
+    try:
+        yield
+    finally:
+        for name in added:
+            os.environ.pop(name, None)
