@@ -1,4 +1,4 @@
-"""Live progress of a run: a moving line in a terminal, plain lines elsewhere."""
+"""Live progress of a run, or of many runs: a moving line in a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from fissura.simulation import Simulation
     from fissura.step import Step
 
-__all__ = ["RunProgress", "duration"]
+__all__ = ["ManyProgress", "RunProgress", "duration"]
 
 EVERY_SECONDS = 5.0
 EVERY_FRACTION = 0.05
@@ -134,4 +134,89 @@ class RunProgress:
         return (1.0 - share) * (now - then) / (share - before) if share > before else None
 
     def _print(self, text: str) -> None:
+        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
+class ManyProgress:
+    """Shows how many of many runs have ended, and about how long the others take at the pace of these.
+
+    Parameters
+    ----------
+    console : Console
+        Where to write; a moving line if it is a terminal.
+    """
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._start = self._shown = time.monotonic()
+        self._total = self._before = self._done = 0
+        self._bad: dict[str, int] = {}
+        self._bar: Progress | None = None
+        self._task = TaskID(0)
+        if console.is_terminal:
+            self._bar = Progress(
+                BarColumn(20),
+                TextColumn("{task.completed:.0f} of {task.total:.0f} runs"),
+                TextColumn("{task.description}", markup=False),
+                console=console,
+                transient=True,
+            )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def begin(self, missing: int, there: int, first: str) -> None:
+        """Start the clock.
+
+        Parameters
+        ----------
+        missing, there : int
+            Number of runs to do, and of those done before.
+        first : str
+            What happens until the first of them ends.
+        """
+        self._start = self._shown = time.monotonic()
+        self._total, self._before, self._done = missing + there, there, 0
+        if self._bar is not None and missing:
+            self._bar.start()
+            self._task = self._bar.add_task(first, total=self._total, completed=there)
+
+    def ended(self, status: str, message: str, last: str) -> None:
+        """Show that a run has ended.
+
+        Parameters
+        ----------
+        status : str
+            How; all but ``"finished"`` are counted.
+        message : str
+            What to say at once, and not only in passing; may be empty.
+        last : str
+            About this run, in passing; may be empty.
+        """
+        now = time.monotonic()
+        self._done += 1
+        if status != "finished":
+            self._bad[status] = self._bad.get(status, 0) + 1
+        if message:
+            self.say(message)
+        parts = [*(f"{count} {name}" for name, count in self._bad.items()), *([last] if last else [])]
+        parts.append(f"{duration(now - self._start)} elapsed")
+        left = self._total - self._before - self._done
+        if left:
+            parts.append(f"about {duration(left * (now - self._start) / self._done)} left")
+        text = ", ".join(parts)
+        if self._bar is not None:
+            self._bar.update(self._task, completed=self._before + self._done, description=text)
+        elif now - self._shown >= EVERY_SECONDS or not left:
+            self._shown = now
+            self.say(f"{self._before + self._done} of {self._total} runs, {text}")
+
+    def say(self, text: str) -> None:
+        """Write a line that stays."""
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)

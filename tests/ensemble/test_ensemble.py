@@ -290,7 +290,7 @@ def test_fewer_workers_where_memory_is_short(tiny: Build, monkeypatch: pytest.Mo
 
 def test_progress_estimates_the_time_left(tiny: Build, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
-    monkeypatch.setattr("fissura.ensemble.progress.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("fissura.progress.time.monotonic", lambda: now[0])
     console = Console(width=200, record=True, file=open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     with EnsembleProgress(console) as progress:
         progress.start(Plan(tiny(), 9), 8, 2)

@@ -1,11 +1,14 @@
 import csv
+import io
 import os
 import signal
 import subprocess
 import sys
+import time
 from importlib import import_module
 
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner
 
 from fissura.cli import app
@@ -13,6 +16,7 @@ from fissura.equilibrium.team import Team
 from fissura.errors import InputError
 from fissura.study import load_plan, plan_from_dict, run_study, write_outcome
 from fissura.study.plan import FULL
+from fissura.study.progress import StudyProgress
 from fissura.study.record import Record
 from fissura.threads import VARIABLE
 
@@ -196,6 +200,47 @@ def test_command_interrupted(tmp_path, monkeypatch):
     assert "the same command goes on" in done.stderr
 
 
+def test_command_shows_how_far_it_is(tmp_path, monkeypatch):
+    monkeypatch.setattr(import_module("fissura.study.pool"), "warm_up", lambda: None)
+    path = write_study(tmp_path, REFUSED)
+    done = call(path, "--output", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    lines = done.stderr.splitlines()
+    name = load_plan(path).plan.name
+    assert lines[0] == f"{name}: 3 runs"
+    assert any(line.startswith("beam, seed 1, gone: refused: adaptivity.criterion") for line in lines)
+    assert lines[-1].startswith("3 of 3 runs, 1 refused, ")
+    assert "left" not in lines[-1]
+    done = call(path, "--output", tmp_path / "out", "--again", "default")
+    assert done.stderr.splitlines()[0] == f"{name}: 3 runs, 2 of them there already"
+    assert "3 of 3 runs, last beam, seed 1, default in " in done.stderr
+    quiet = call(path, "--output", tmp_path / "out", "--again", "default", "--quiet")
+    assert (quiet.exit_code, quiet.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_progress_estimates_the_time_left(study, monkeypatch, terminal):
+    now, plan = [100.0], load_plan(study)
+    monkeypatch.setattr("fissura.progress.time.monotonic", lambda: now[0])
+    console = Console(width=200, record=True, file=io.StringIO(), force_terminal=terminal)
+    tasks = list(plan.tasks())
+    with StudyProgress(console) as progress:
+        progress.start(plan, 5, 1)
+        for task, status, message in zip(
+            tasks, ("finished", "failed"), ("", "Traceback\n  …\nOops: why"), strict=False
+        ):
+            now[0] += 30.0
+            summary = {"wall_s": 12.0} if status == "finished" else {}
+            progress.done(task, Record(task.specimen, task.seed, task.variation, {}, status, message, summary), 0)
+    text = console.export_text()
+    assert f"{plan.plan.name}: 6 runs, 1 of them there already" in text
+    assert f"{tasks[1]}: failed: Oops: why" in text
+    assert "3 of 6 runs" in text
+    assert "1 failed, 1:00 min elapsed, about 1:30 min left" in text
+    if not terminal:
+        assert f"2 of 6 runs, last {tasks[0]} in 12 s, 30 s elapsed, about 2:00 min left" in text
+
+
 @pytest.mark.slow
 def test_processes_give_the_same_results_and_can_be_interrupted(finished, tmp_path):
     _, folder, _, _ = finished
@@ -203,14 +248,17 @@ def test_processes_give_the_same_results_and_can_be_interrupted(finished, tmp_pa
     start = [sys.executable, "-m", "fissura", "study", "study.toml", "--output", "out", "--workers", "2"]
     with subprocess.Popen(start, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True) as running:
         assert running.stderr is not None
-        first = running.stderr.readline()
-        assert "finished" in first or "refused" in first
+        assert "3 runs" in running.stderr.readline()
+        while not list((tmp_path / "out").rglob("*.npz")):
+            assert running.poll() is None
+            time.sleep(0.02)
         os.killpg(running.pid, signal.SIGINT)
         assert running.wait(60) == 130
     saved = {p.name for p in (tmp_path / "out").rglob("*.npz")}
     assert saved
     done = subprocess.run(start, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=True)
-    assert len(done.stderr.splitlines()) == 3 - len(saved)
+    if len(saved) < 3:
+        assert f"3 runs, {len(saved)} of them there already" in done.stderr
     for name in ("full", "default"):
         a, b = (Record.load(f / "runs" / "beam" / "seed0001" / f"{name}.npz") for f in (folder, tmp_path / "out"))
         assert list(a.curve["load_N"]) == list(b.curve["load_N"])

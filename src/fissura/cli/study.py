@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
+from rich.console import Console
 
-from fissura.cli.console import INTERRUPTED, errors, not_written, print_table, say
+from fissura.cli.console import INTERRUPTED, errors, not_written, print_table, say, warnings
 from fissura.interrupts import interruptible
-
-if TYPE_CHECKING:
-    from fissura.study.record import Record
 
 __all__ = ["study"]
 
@@ -34,14 +33,21 @@ def study(
     folder = output if output is not None else Path("results") / plan.stem
     with errors(), interruptible(say):
         from fissura.study import load_plan, run_study, write_outcome
+        from fissura.study.progress import StudyProgress
 
-        def tell(task: object, record: Record, left: int) -> None:
-            if not quiet:
-                seconds = f"{record.summary['cpu_s']:.1f} s" if record.summary else "no steps"
-                say(f"{task}: {record.status}, {seconds}; {left} left")
-
+        console = Console(stderr=True)
+        progress = None if quiet else StudyProgress(console)
         try:
-            found = run_study(load_plan(plan), folder, workers=workers, again=again or (), run=not report, on_done=tell)
+            with warnings(console), progress or nullcontext():
+                found = run_study(
+                    load_plan(plan),
+                    folder,
+                    workers=workers,
+                    again=again or (),
+                    run=not report,
+                    on_start=progress.start if progress else None,
+                    on_done=progress.done if progress else None,
+                )
             files = write_outcome(found, folder)
         except KeyboardInterrupt:
             say(f"interrupted; finished runs are saved in {folder}, the same command goes on from there")

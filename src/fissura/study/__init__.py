@@ -23,6 +23,7 @@ def run_study(
     workers: int = 1,
     again: Collection[str] = (),
     run: bool = True,
+    on_start: Callable[[LoadedPlan, int, int], None] | None = None,
     on_done: Callable[[Task, Record, int], None] | None = None,
 ) -> Outcome:
     """Run what is left to do of a study, and compare all there is.
@@ -42,6 +43,8 @@ def run_study(
         Variations to run once more, for example after a change of the program; ``"full"`` and ``"failures"``, too.
     run : bool, optional
         False only compares what was done before.
+    on_start : callable, optional
+        Told before the first run: the plan, the number of runs to do, and of those done before.
     on_done : callable, optional
         Told of every run that was saved, and how many are left.
 
@@ -63,6 +66,8 @@ def run_study(
     done, left = split(tasks, folder, again)
     if run and left:
         count = len(left)
+        if on_start is not None:
+            on_start(plan, count, len(done))
         for task in left:  # what is to be run again must not count as done after an interruption
             (folder / task.path).unlink(missing_ok=True)
 

@@ -1,0 +1,32 @@
+"""Live progress over the runs of a study."""
+
+from __future__ import annotations
+
+from fissura.progress import ManyProgress, duration
+from fissura.study.plan import LoadedPlan, Task
+from fissura.study.record import Record
+
+__all__ = ["StudyProgress"]
+
+
+class StudyProgress(ManyProgress):
+    """Shows the runs of a study as they end.
+
+    Seeds follow each other, and each has all specimens and variations: after the first seed, the pace so far is a fair
+    guess of what is left.
+    """
+
+    def start(self, plan: LoadedPlan, missing: int, there: int) -> None:
+        """Say what is about to run."""
+        known = f", {there} of them there already" if there else ""
+        self.say(f"{plan.plan.name}: {missing + there} runs{known}")
+        self.begin(missing, there, "loading kernels")
+
+    def done(self, task: Task, record: Record, left: int) -> None:
+        """Show a run that has ended; `left` is how many are left."""
+        reason = record.message.strip().splitlines()[-1:] or ["no reason known"]
+        self.ended(
+            record.status,
+            "" if record.status == "finished" else f"{task}: {record.status}: {reason[0]}",
+            f"last {task} in {duration(record.summary['wall_s'])}" if record.summary else "",
+        )
