@@ -1,0 +1,33 @@
+"""What tests of the command line share."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import fissura
+
+from .fakes import TINY, FakeRecorder, FakeSimulation
+
+
+@pytest.fixture
+def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A case file in an otherwise empty current directory."""
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "tiny.toml"
+    path.write_text(TINY)
+    return path
+
+
+@pytest.fixture
+def fake(monkeypatch: pytest.MonkeyPatch) -> type[FakeSimulation]:
+    """Nothing is computed."""
+    simulation = type("Simulation", (FakeSimulation,), {"built": []})
+    module = ModuleType("fissura.simulation")
+    module.Simulation = simulation  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "fissura.simulation", module)
+    monkeypatch.setattr(fissura.results.recorder, "Recorder", type("Recorder", (FakeRecorder,), {}))
+    return simulation

@@ -1,0 +1,111 @@
+"""A case, and a simulation and a recorder that compute nothing, so that every way a run can end is at hand."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from typer.testing import CliRunner, Result
+
+import fissura.results.recorder
+from fissura.case import Case
+from fissura.cli import app
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "beam_d100.toml"
+
+TINY = """
+specimen.size = ["80 mm", "20 mm", "10 mm"]
+notch = { position = "40 mm", depth = "8 mm" }
+supports = [
+    { type = "pin", face = "bottom", at = "10 mm" },
+    { type = "roller", face = "bottom", at = "70 mm" },
+]
+load = { face = "top", at = "40 mm" }
+gauge.a = { face = "bottom", at = "38 mm" }
+gauge.b = { face = "bottom", at = "42 mm" }
+material = { E = "60 GPa", alpha = 0.29, f_t = "2.2 MPa", G_t = "35 J/m^2" }
+discretization = { l_f = "5 mm", l_c = "10 mm" }
+control.target = "2 um"
+output.vtk = 0
+"""
+
+
+def call(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+class FakeContacts:
+    """Lengths only."""
+
+    def __init__(self, length: Any, fine: Any) -> None:
+        self.length, self.fine = length, fine
+
+    def __len__(self) -> int:
+        return len(self.length)
+
+
+class FakeSimulation:
+    """Twenty equal steps of a run; every fifth refines."""
+
+    ending: BaseException | None = None
+    after = 12
+    built: list[Any]
+
+    def __init__(self, case: Case, *, full: bool = False) -> None:
+        self.case, self.full = case, full
+        self.bodies_start, self.bodies_full = 100, 300
+        self.field = None
+        lengths = np.array([0.004, 0.009, 0.012])
+        self.tessellation = SimpleNamespace(contacts=FakeContacts(lengths, lengths < 0.01))
+        type(self).built.append(self)
+
+    def steps(self) -> Iterator[Any]:
+        for number in range(1, 21):
+            yield SimpleNamespace(
+                number=number,
+                gauge=self.case.control.target * number / 20,
+                load=1234.0,
+                bodies=100 + number,
+                refinements=int(number % 5 == 0),
+                iterations=4,
+                control="gauge",
+            )
+            if self.ending is not None and number == self.after:
+                raise self.ending
+
+
+class FakeRecorder:
+    """Keeps the numbers of the steps, and how the run ended."""
+
+    warnings: tuple[str, ...] = ()
+    fail_at = 0
+
+    def __init__(self, simulation: FakeSimulation, folder: Path | None) -> None:
+        self.folder, self.steps = folder, list[int]()
+
+    def add(self, step: Any) -> None:
+        self.steps.append(step.number)
+        if self.folder is not None:
+            (self.folder / "curve.csv").write_text(",".join(map(str, self.steps)))
+        if step.number == self.fail_at:
+            raise OSError(errno.ENOSPC, "No space left on device", str(self.folder and self.folder / "curve.csv"))
+
+    def finish(self, status: str, message: str = "") -> Any:
+        if self.folder is not None:
+            (self.folder / "summary.json").write_text(status)
+        return SimpleNamespace(
+            folder=self.folder,
+            status=status,
+            message=message,
+            curve={"step": np.array(self.steps)},
+            summary={"warnings": list(self.warnings)},
+            table=lambda: [("status", status), ("peak load", "1 [kN]")],
+        )
+
+
+def recorder() -> Any:
+    return fissura.results.recorder.Recorder

@@ -1,0 +1,84 @@
+"""Running from Python, and live progress of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+from fissura import api
+from fissura.case import load_case
+from fissura.errors import InputError, RunStopped
+from fissura.progress import RunProgress, duration
+from fissura.results.quantities import force
+
+from .fakes import TINY, FakeSimulation
+
+
+def test_api_run(tiny: Path, fake: type[FakeSimulation]) -> None:
+    seen: list[Any] = []
+    result: Any = api.run(tiny, seed=5, on_start=seen.append, on_step=seen.append)
+    assert (result.status, result.folder) == ("finished", None)
+    assert seen[0] is fake.built[0]
+    assert [step.number for step in seen[1:]] == list(range(1, 21))
+    assert fake.built[0].case.seed == 5
+    assert list(tiny.parent.iterdir()) == [tiny]
+
+
+@pytest.mark.parametrize(
+    ("ending", "status"),
+    [(RunStopped("no way on", 13, 0.1), "stopped"), (KeyboardInterrupt(), "interrupted")],
+)
+def test_api_run_that_ends_early_saves(
+    tiny: Path, fake: type[FakeSimulation], ending: BaseException, status: str
+) -> None:
+    fake.ending = ending
+    with pytest.raises(type(ending)) as caught:
+        api.run(load_case(tiny), output="out")
+    result: Any = caught.value.result  # type: ignore[attr-defined]
+    assert result.status == status
+    assert len(result.curve["step"]) == 12
+    assert Path("out/summary.json").read_text() == status
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, True, 2**64])
+def test_api_refuses_a_seed(tiny: Path, seed: Any) -> None:
+    with pytest.raises(InputError, match="seed"):
+        api.run(tiny, seed=seed)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.4, "0 s"), (59.4, "59 s"), (200, "3:20 min"), (7400, "2:03 h"), (3599.9, "1:00 h")],
+)
+def test_duration(seconds: float, text: str) -> None:
+    assert duration(seconds) == text
+
+
+def test_progress_in_a_terminal(tiny: Path, fake: type[FakeSimulation], capsys: pytest.CaptureFixture[str]) -> None:
+    simulation: Any = fake(load_case(tiny))
+    console = Console(stderr=True, force_terminal=True, width=150)
+    with RunProgress(console, simulation.case) as progress:
+        progress.start(simulation)
+        for step in simulation.steps():
+            progress.step(step)
+    text = capsys.readouterr().err
+    assert "step 20: 1 refinement, 120 bodies" in text
+    assert "100 %" in text
+
+
+def test_progress_where_energy_leads(tiny: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tiny.write_text(TINY.replace('control.target = "2 um"', 'control = { type = "dissipation", target = "2 um" }'))
+    progress = RunProgress(Console(stderr=True), load_case(tiny))
+    for number, (gauge, load) in enumerate([(1e-6, 200.0), (1.2e-6, 400.0), (1.1e-6, 210.0), (1.05e-6, 20.0)], 1):
+        leads = "gauge" if number == 1 else "dissipation"
+        progress.step(
+            SimpleNamespace(number=number, gauge=gauge, load=load, bodies=9, refinements=1, iterations=2, control=leads)  # type: ignore[arg-type]
+        )
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split("%")[0].strip() for line in lines] == ["50", "60", "60", "100"]
+    assert ["of the peak" in line for line in lines] == [False, False, True, True]
+    assert f"load {force(20.0)} (5 % of the peak), 9 bodies" in lines[3]

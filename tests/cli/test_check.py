@@ -1,0 +1,123 @@
+"""``fissura check``, and the memory that a run needs."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fissura import check
+from fissura.case import Case, load_case
+from fissura.errors import InputError
+from fissura.results.quantities import energy
+
+from .fakes import EXAMPLE, TINY, FakeSimulation, call
+
+
+def spacing(l_f: float) -> Case:
+    case = load_case(EXAMPLE)
+    return case.model_copy(update={"discretization": case.discretization.model_copy(update={"l_f": l_f})})
+
+
+def test_estimates() -> None:
+    assert check.estimate_bodies(spacing(0.01)) == pytest.approx(0.734 * 35.6 * 10.6 * 5.6)
+    assert 0.993e9 < check.estimate_memory(23_647) < 1.3e9  # measured: 0.993e9
+    assert 2.9e9 < check.estimate_memory(101_000) < 4.4e9
+    assert check.estimate_elastic_memory(101_000) < check.estimate_memory(101_000)
+    assert 1e8 < check.physical_memory() < 1e14
+
+
+@pytest.mark.parametrize(
+    ("l_f", "full", "refused"),
+    [
+        (0.01, False, False),
+        (0.01, True, False),
+        (0.001, False, False),  # 1.3 million bodies: 0.5 GB to place, 46 GB to solve
+        (0.001, True, True),
+        (0.0004, False, True),  # 8 GB to place
+        (1e-5, False, True),
+        (1e-300, False, True),
+    ],
+)
+def test_memory_is_required(monkeypatch: pytest.MonkeyPatch, l_f: float, full: bool, refused: bool) -> None:
+    monkeypatch.setattr(check, "physical_memory", lambda: 4e9)
+    if not refused:
+        case = spacing(l_f)
+        check.require_memory(
+            case.model_copy(update={"adaptivity": case.adaptivity.model_copy(update={"calibrate": False})}), full=full
+        )
+        return
+    with pytest.raises(InputError) as caught:
+        check.require_memory(spacing(l_f), full=full)
+    assert caught.value.key == "discretization.l_f"
+    assert ("without full resolution" in caught.value.allowed) == full
+
+
+def test_calibration_needs_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(check, "physical_memory", lambda: 4e9)
+    with pytest.raises(InputError) as caught:
+        check.require_memory(spacing(0.001))
+    assert caught.value.key == "adaptivity.calibrate"
+    assert "false" in caught.value.allowed
+
+
+def test_run_refuses_what_does_not_fit(tiny: Path, fake: type[FakeSimulation]) -> None:
+    tiny.write_text(TINY.replace('"5 mm"', '"1 um"'))
+    for command in ("run", "check"):
+        done = call(command, tiny)
+        assert (done.exit_code, fake.built) == (2, [])
+        assert "discretization.l_f" in done.stderr
+
+
+def test_check_report(fake: type[FakeSimulation]) -> None:
+    report = check.report(load_case(EXAMPLE))
+    assert (report.bodies_start, report.bodies_full, report.contacts, report.fine_contacts) == (
+        100,
+        300,
+        3,
+        2,
+    )
+    assert report.tension_limit == pytest.approx(2 * 60e9 * 35 / 2.2e6**2)
+    assert report.shear_limit == pytest.approx(report.tension_limit * 16 * 0.29 / 9)
+    assert report.longest_contact == pytest.approx(0.03)
+    assert report.fewest_steps == 50
+    assert report.warnings == ()
+    assert replace(report, max_step=report.target / 60.5).fewest_steps == 61
+
+
+def test_check_warns_of_long_contacts(tiny: Path, fake: type[FakeSimulation]) -> None:
+    tiny.write_text(TINY.replace("35 J/m^2", "0.1 J/m^2"))
+    done = call("check", tiny)
+    assert done.exit_code == 0
+    assert "warning: a fine contact may be longer than the law allows" in done.stderr
+    assert "bodies at full resolution  300" in done.stdout
+    assert "steps                      50 or more" in done.stdout
+    assert not Path("results").exists()
+
+
+@pytest.mark.parametrize(
+    ("control", "told", "steps"),
+    [
+        ({"type": "gauge"}, "gauge, to 2 mm", "50 or more, each at most 40 µm"),
+        (
+            {"type": "displacement", "stop_load": 0.2},
+            "displacement of the load, to 2 mm or until 20 % of the peak load is left",
+            "50 or more, each at most 40 µm",
+        ),
+        (
+            {"type": "dissipation"},
+            "dissipated energy, until the gauge is 2 mm or 5 % of the peak load is left",
+            f"each at most 40 µm, with energy in the lead {energy(35 * 0.012 * 0.01 / 50)}",
+        ),
+    ],
+)
+def test_check_tells_what_leads(
+    tiny: Path, fake: type[FakeSimulation], control: dict[str, Any], told: str, steps: str
+) -> None:
+    text = ", ".join(f"{key} = {json.dumps(value)}" for key, value in control.items())
+    tiny.write_text(TINY.replace('control.target = "2 um"', f'control = {{ target = "2 mm", {text} }}'))
+    table = dict(check.report(load_case(tiny)).table())
+    assert (table["control"], table["steps"]) == (told, steps)

@@ -1,0 +1,89 @@
+"""``fissura compare``, ``moments`` and ``animate``."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from .fakes import call
+
+
+def test_compare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    module = import_module("fissura.results.compare")  # the package has a function of the same name
+
+    def comparison(plot: Callable[[Path], Any]) -> Any:
+        return lambda a, b: SimpleNamespace(table=lambda: [("peak load", "+1 %")], plot=plot)
+
+    def full(path: Path) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(module, "compare", comparison(lambda path: path.write_text("x")))
+    done = call("compare", tmp_path, "b")
+    assert (done.exit_code, done.stdout) == (0, f"peak load  +1 %\npicture: {tmp_path / 'compare.png'}\n")
+    assert call("compare", "a", "b", "--plot", tmp_path / "p.png").exit_code == 0
+    assert (tmp_path / "p.png").exists()
+    monkeypatch.setattr(module, "compare", comparison(full))
+    done = call("compare", tmp_path, "b")
+    assert done.exit_code == 4
+    assert "compare.png: cannot be written: No space left" in done.stderr
+
+
+def test_compare_without_results(tmp_path: Path) -> None:
+    done = call("compare", tmp_path / "a", tmp_path / "b")
+    assert done.exit_code == 2
+    assert done.stderr.startswith("error: ")
+
+
+# Pictures of bodies
+
+
+def test_compare_bodies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    compared = SimpleNamespace(table=lambda: [("peak load", "+1 %")], plot=lambda path: path.write_text("x"))
+    monkeypatch.setattr(import_module("fissura.results.compare"), "compare", lambda a, b: compared)
+    drawn: list[Path] = []
+    monkeypatch.setattr("fissura.results.moments.plot_bodies", lambda comparison, path: drawn.append(path))
+    assert call("compare", "a", "b", "--bodies", "--plot", tmp_path / "p.pdf").exit_code == 0
+    assert drawn == [tmp_path / "p_bodies.pdf"]
+
+
+@pytest.mark.parametrize("name", ["animate", "moments"])
+def test_pictures_without_results(tmp_path: Path, name: str) -> None:
+    done = call(name, tmp_path / "nowhere")
+    assert done.exit_code == 2
+    assert "there is no such folder" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "wrong", [["--fps", "0"], ["--fps", "99"], ["--size", "10"], ["--output", "x.avi"], ["--output", "x"]]
+)
+def test_animate_refuses(tmp_path: Path, wrong: list[str]) -> None:
+    done = call("animate", tmp_path, *wrong)
+    assert done.exit_code == 2
+    assert wrong[0] in done.stderr
+
+
+def test_pictures_of_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from results.pictured import LOADS, record
+
+    folder = tmp_path / "run"
+    record(folder)
+    monkeypatch.setattr("fissura.results.moments.DPI", 60)
+    done = call("moments", folder)
+    assert (done.exit_code, done.stdout) == (0, f"picture: {folder / 'moments.png'}\n")
+    done = call("animate", folder, "--size", "320", "--fps", "5")
+    assert done.exit_code == 0
+    assert done.stdout == f"animation: {folder / 'refinement.gif'}, {len(LOADS) + 1} frames\n"
+    assert (folder / "refinement.gif").stat().st_size > 0
+    done = call("moments", folder, "--output", folder / "x.abc")
+    assert done.exit_code == 2
+    assert "--output" in done.stderr
+    done = call("animate", folder, "--output", folder / "no" / "x.gif")
+    assert done.exit_code == 4
+    (folder / "section.npz").unlink()
+    assert "run again" in call("animate", folder).stderr
