@@ -34,7 +34,10 @@ TEXT = """\
 Three specimens (beam with a notch through half of its depth, beam with one through a fifth, prism in tension with a
 saw cut) in two sizes (depth in the name), adaptive and full, brittle and ductile (`G_t` in J/m² in the name): steps,
 Newton or secant corrections for each accepted step, the most for one step, preconditioner iterations and factorizations
-for each accepted step, attempts that were cut, processor time, largest residual of an accepted step.
+for each accepted step, attempts that were cut, processor time, largest residual of an accepted step. Adaptive runs are
+not calibrated: specimens 30 to 50 mm thick hold one or two coarse bodies of 32 mm, and the factor that would give them
+the stiffness of full resolution is beyond its limits, in the prism most of all. Such a start is refused unless
+`adaptivity.calibrate = false`; this table is about iterations, not about how far loads are from full resolution.
 """
 
 VARIANTS_TEXT = """\
@@ -111,7 +114,7 @@ def _set(seed: int = 1) -> Iterator[tuple[str, Case, bool]]:
             "seed": seed,
             "material": {"E": "60 GPa", "alpha": 0.29, "f_t": "2.2 MPa", "G_t": f"{energy:g} J/m^2"},
             "discretization": {"l_f": "8 mm", "l_c": "32 mm"},
-            "adaptivity": {"r_f": "32 mm", "r_c": "48 mm"},
+            "adaptivity": {"r_f": "32 mm", "r_c": "48 mm", "calibrate": False},
             "control": {"target": "0.2 mm" if ductile else "0.06 mm"},
             "output": {"vtk": 0},
         }

@@ -7,6 +7,7 @@ and a large one, and the name of a solver. Prints JSON. The kernel counts the pa
 
 from __future__ import annotations
 
+import argparse
 import ctypes
 import gc
 import json
@@ -63,4 +64,8 @@ def _solve(name, form, x, data, right):  # type: ignore[no-untyped-def]
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("path", help="file of both problems")
+    parser.add_argument("solver", choices=sorted(LINEAR_SOLVERS))
+    found = parser.parse_args()
+    sys.exit(main(found.path, found.solver))
