@@ -50,6 +50,7 @@ def test_one_per_cent_is_the_default(small_case):
         ({"tolerance": "1 %", "gamma": 0.5}, "adaptivity.gamma"),
         ({"tolerance": "1 %", "r_f": "20 mm"}, "adaptivity.r_f"),
         ({"tolerance": "1 %", "r_c": "300 mm"}, "adaptivity.r_c"),
+        ({"tolerance": "1 %", "r_c": "3 mm"}, "adaptivity.r_c"),
         ({"gamma": 0.5, "gamma_coarse": 0.5}, "adaptivity.gamma_coarse"),
         ({"coarsen": "yes"}, "adaptivity.coarsen"),
         ({"r_w": "-1 mm"}, "adaptivity.r_w"),

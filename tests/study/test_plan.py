@@ -54,10 +54,12 @@ def test_merged_changes_tables_key_by_key_and_replaces_all_else():
     ("old", "new", "key", "said"),
     [
         ("seeds = [1, 2]", "seeds = [1, -2]", "seeds[1]", "too small"),
-        ("seeds = [1, 2]", "seeds = []", "seeds", "at least 1"),
+        ("seeds = [1, 2]", "seeds = []", "seeds", "at least one seed"),
+        ("seeds = [1, 2]", "seeds = 1", "seeds", "a list of whole numbers"),
         ("seeds = [1, 2]", "sedes = [1, 2]", "sedes", "did you mean seeds"),
         ('name = "beam"\n', "", "specimens[0].name", "missing"),
         ('name = "deep"', 'name = "beam"', "specimens[1].name", "name of two"),
+        ('name = "deep"', 'name = "Beam"', "specimens[1].name", "too near 'beam'"),
         ('name = "deep"', 'name = "a/b"', "specimens[1].name", "cannot name a file"),
         ('name = "deep"', 'name = ".."', "specimens[1].name", "cannot name a file"),
         ('name = "wide"', 'name = "full"', "variations[1].name", "full resolution"),
@@ -81,7 +83,7 @@ def test_files_that_cannot_be_read(tmp_path):
     for path, text, problem in (
         (tmp_path / "no.toml", None, "no such file"),
         (tmp_path / "bad.toml", "seeds = ", "not TOML"),
-        (tmp_path, None, "cannot be read"),
+        (tmp_path, None, "is a folder"),
     ):
         if text is not None:
             path.write_text(text)
@@ -89,7 +91,7 @@ def test_files_that_cannot_be_read(tmp_path):
             load_plan(path)
         assert problem in caught.value.problem
     study = write_study(tmp_path, STUDY.replace("beam.toml", "bean.toml"))
-    with pytest.raises(InputError, match=r"bean\.toml: no such file"):
+    with pytest.raises(InputError, match=r"specimens\[0\]\.case: .*bean\.toml: no such file \(allowed: a case file"):
         load_plan(study)
 
 

@@ -76,24 +76,24 @@ class Adaptivity(Part):
         ValueError
             Keys that contradict each other.
         """
-        level = self._level()
-        level = level or _DEFAULT
+        level = self._level() or _DEFAULT
         gamma = level.gamma if math.isnan(self.gamma) else self.gamma
         r_f = level.r_f * l_f if math.isnan(self.r_f) else self.r_f
         r_c = r_f + level.ramp * l_c if math.isnan(self.r_c) else self.r_c
         r_w = 3.0 * l_f if math.isnan(self.r_w) else self.r_w
+        if self.tolerance is not None:
+            # A case read again from its resolved values gives them beside the tolerance: the same are allowed.
+            given = {"gamma": gamma, "r_f": r_f, "r_c": r_c}
+            due = {"gamma": level.gamma, "r_f": level.r_f * l_f, "r_c": level.r_f * l_f + level.ramp * l_c}
+            for key, value in due.items():
+                if not math.isclose(given[key], value, rel_tol=1e-9):
+                    fail("is given together with tolerance, which chooses it", f"either tolerance or {key}", key)
         if r_f > r_c:
             fail(f"{r_f:g} m is larger than r_c = {r_c:g} m", "r_f at most r_c", "r_f")
         gamma_coarse = 0.8 * gamma if math.isnan(self.gamma_coarse) else self.gamma_coarse
         if gamma_coarse >= gamma:
             fail(f"{gamma_coarse:g} is not below gamma = {gamma:g}", "a number below gamma", "gamma_coarse")
         found = {"gamma": gamma, "r_f": r_f, "r_c": r_c, "r_w": r_w, "gamma_coarse": gamma_coarse}
-        if self.tolerance is not None:
-            # A case read again from its resolved values gives them beside the tolerance: the same are allowed.
-            due = {"gamma": level.gamma, "r_f": level.r_f * l_f, "r_c": level.r_f * l_f + level.ramp * l_c}
-            for key, value in due.items():
-                if not math.isclose(found[key], value, rel_tol=1e-9):
-                    fail("is given together with tolerance, which chooses it", f"either tolerance or {key}", key)
         return self.model_copy(update=found)
 
     def _level(self) -> Level | None:
@@ -103,8 +103,9 @@ class Adaptivity(Part):
         for level in LEVELS:
             if level.tolerance <= self.tolerance:
                 return level
+        least = LEVELS[-1].tolerance
         fail(
             f"{self.tolerance:g} is smaller than what has been measured",
-            f"{LEVELS[-1].tolerance:g} ({LEVELS[-1].tolerance:.1%} of the peak load) or more, or gamma, r_f and r_c",
+            f"{least:g} ({100 * least:g} % of the peak load) or more, or gamma, r_f and r_c",
             "tolerance",
         )

@@ -14,7 +14,7 @@ from fissura.case.model import Case
 from fissura.case.report import input_error
 from fissura.errors import InputError
 
-__all__ = ["case_from_dict", "load_case"]
+__all__ = ["case_from_dict", "load_case", "read_toml"]
 
 ALLOWED = "a case file (TOML, UTF-8)"
 
@@ -66,37 +66,51 @@ def load_case(path: str | Path) -> Case:
         If the file cannot be read, is not TOML, or anything in it is wrong.
     """
     path = Path(path)
-    text = _read_text(path)
-    data = _parse_toml(text, path)
+    text, data = read_toml(path)
     data.setdefault("name", re.sub(r'[\x00-\x1f<>:"/\\|?*]', "_", path.stem)[:100])
     case = case_from_dict(data, path.parent)
     case.__dict__["source"] = text
     return case
 
 
-def _read_text(path: Path) -> str:
-    """Content of a text file, without the byte order mark that some editors write."""
+def read_toml(path: Path, allowed: str = ALLOWED) -> tuple[str, dict[str, Any]]:
+    """Read a file of tables, with or without the byte order mark that some editors write.
+
+    Parameters
+    ----------
+    path : Path
+        TOML file, UTF-8.
+    allowed : str, optional
+        What it should be, for the message.
+
+    Returns
+    -------
+    text : str
+        What the file says.
+    tables : dict
+        Its tables.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is not TOML.
+    """
     where = str(path)
     try:
-        raw = path.read_bytes()
+        text = path.read_bytes().decode("utf-8-sig")
+        return text, tomllib.loads(text)
     except FileNotFoundError:
-        raise InputError(where, "no such file", ALLOWED) from None
+        problem = "no such file"
     except IsADirectoryError:
-        raise InputError(where, "is a folder", ALLOWED) from None
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(where, f"cannot be read: {reason}", ALLOWED) from None
-    try:
-        return raw.decode("utf-8-sig")
+        problem = "is a folder"
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror or error}"
     except UnicodeDecodeError as error:
-        raise InputError(where, f"is not UTF-8 text (byte {error.start})", ALLOWED) from None
-
-
-def _parse_toml(text: str, path: Path) -> dict[str, Any]:
-    """Tables of a TOML text."""
-    try:
-        return tomllib.loads(text)
+        problem = f"is not UTF-8 text (byte {error.start})"
+    except tomllib.TOMLDecodeError as error:
+        problem = f"is not TOML: {error}"
     except RecursionError:
-        raise InputError(str(path), "is nested too deeply", ALLOWED) from None
-    except ValueError as error:
-        raise InputError(str(path), f"is not TOML: {error}", ALLOWED) from None
+        problem = "is nested too deeply"
+    except ValueError as error:  # a null character in the path, a number of thousands of digits
+        problem = f"cannot be read: {error}"
+    raise InputError(where, problem, allowed)

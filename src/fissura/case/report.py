@@ -79,7 +79,8 @@ def _describe(item: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return key, f"{show(value)} is not a table", _description(model, location) or "a table"
     if kind in ("tuple_type", "list_type"):
-        return key, f"{show(value)} is not a list", "a list of tables"
+        tables = any(_models(model, location))
+        return key, f"{show(value)} is not a list", "a list of tables" if tables else _description(model, location)
     if kind == "string_type":
         return key, f"{show(value)} is not text", "text in quotes"
     return key, f"{show(value)} is wrong: {item['msg']}", ""

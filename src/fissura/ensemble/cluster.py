@@ -20,11 +20,12 @@ if TYPE_CHECKING:
 
     from fissura.case import Case
 
-__all__ = ["connected", "outcomes", "require_dask", "workers_that_fit"]
+__all__ = ["check_address", "connected", "outcomes", "require_dask", "workers_that_fit"]
 
 _log = logging.getLogger(__name__)
 
 INSTALL = "pip install fissura[ensemble]"
+ADDRESS = "the address that `dask scheduler` prints, such as tcp://127.0.0.1:8786"
 
 #: How often a run is computed at most if its result is lost each time.
 _ATTEMPTS = 5
@@ -109,10 +110,23 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
         try:
             client = stack.enter_context(Client(cluster, set_as_default=False))
         except (OSError, ValueError, TimeoutError) as error:
-            raise InputError(
-                "--scheduler", f"{scheduler} cannot be reached ({error})", "the address that `dask scheduler` prints"
-            ) from error
+            raise InputError("--scheduler", f"{scheduler} cannot be reached ({error})", ADDRESS) from error
         yield client
+
+
+def check_address(scheduler: str) -> None:
+    """Raise InputError if this cannot be the address of a scheduler.
+
+    A client of Dask that is given such text takes a minute to give up, and writes a traceback.
+    """
+    from distributed.comm.addressing import parse_address, parse_host_port
+
+    try:
+        protocol, place = parse_address(scheduler)
+        if protocol in ("tcp", "tls"):
+            parse_host_port(place)
+    except ValueError as error:
+        raise InputError("--scheduler", f"{scheduler} is not an address ({error})", ADDRESS) from error
 
 
 @contextmanager

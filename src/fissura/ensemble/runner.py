@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from fissura.case import Case, load_case
 from fissura.check import require_memory
-from fissura.ensemble.cluster import connected, outcomes, require_dask, workers_that_fit
+from fissura.ensemble.cluster import check_address, connected, outcomes, require_dask, workers_that_fit
 from fissura.ensemble.outcome import Outcome
 from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling, Task
 from fissura.ensemble.result import EnsembleResult
@@ -109,9 +110,10 @@ def run_ensemble(
         case.seed if seed is None else seed,
         full,
         companions,
-        _leading_modes(case, sampling) if leading_modes is None else leading_modes,
+        LEADING_MODES if leading_modes is None else leading_modes,
         keep,
     )
+    plan = replace(plan, leading_modes=_leading_modes(plan, leading_modes))
     for option, number in (("--workers", workers), ("--threads-per-worker", threads_per_worker)):
         if number is not None and (isinstance(number, bool) or not isinstance(number, int) or number < 1):
             raise InputError(option, f"{number!r} is not possible", "a whole number, 1 or larger")
@@ -121,20 +123,27 @@ def run_ensemble(
         )
     if scheduler is None:
         require_memory(case, full=full)
+    else:
+        check_address(scheduler)
     store = _folder(output, plan, resume=resume, overwrite=overwrite)
     _compute(plan, store, workers, threads_per_worker, scheduler, on_start, on_outcome)
     return evaluate(plan, store)
 
 
-def _leading_modes(case: Case, sampling: Sampling) -> int:
-    """Number of modes to stratify by default."""
-    if sampling != "latin-hypercube" or case.field is None:
-        return LEADING_MODES
+def _leading_modes(plan: Plan, asked: int | None) -> int:
+    """Number of modes to stratify; finds out on the way whether the field is possible, before many runs fail of it."""
+    if asked is not None and plan.sampling != "latin-hypercube":
+        raise InputError("--leading-modes", f"has no effect on {plan.sampling}", "only with --sampling latin-hypercube")
+    if plan.mode == "geometry":
+        return plan.leading_modes
     from fissura.material import field_from_case
 
-    field = field_from_case(case)
+    field = field_from_case(plan.case)
     assert field is not None
-    return min(LEADING_MODES, field.accuracy.modes)
+    modes = field.accuracy.modes
+    if asked is not None and asked > modes:
+        raise InputError("--leading-modes", f"{asked} is more than the {modes} modes of the field", f"1 to {modes}")
+    return min(plan.leading_modes, modes) if plan.sampling == "latin-hypercube" else plan.leading_modes
 
 
 def _folder(output: str | Path, plan: Plan, *, resume: bool, overwrite: bool) -> Store:

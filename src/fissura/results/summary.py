@@ -185,7 +185,7 @@ def write_summary(path: Path, summary: dict[str, Any]) -> None:
 
 
 def read_summary(path: str | Path) -> dict[str, Any]:
-    """Read a ``summary.json`` (or that of a result folder).
+    """Read a ``summary.json`` (or that of a result folder), or another JSON file of ours.
 
     Raises
     ------
@@ -195,15 +195,16 @@ def read_summary(path: str | Path) -> dict[str, Any]:
     path = Path(path)
     if path.is_dir():
         path = path / "summary.json"
+    allowed = f"the {path.name} of a Fissura {'ensemble' if path.name == 'ensemble.json' else 'run'}"
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(str(path), "cannot be read", "the summary.json of a Fissura run") from error
+        raise InputError(str(path), "cannot be read", allowed) from error
     except ValueError as error:
-        raise InputError(str(path), f"is not JSON ({error})", "the summary.json of a Fissura run") from error
+        raise InputError(str(path), f"is not JSON ({error})", allowed) from error
     version = summary.get("format_version") if isinstance(summary, dict) else None
     if not isinstance(version, int) or version > FORMAT_VERSION:
-        raise InputError(str(path), f"format_version is {version}", f"1 to {FORMAT_VERSION}")
+        raise InputError(str(path), f"format_version is {version}", f"{allowed}, of version 1 to {FORMAT_VERSION}")
     return dict(summary)
 
 

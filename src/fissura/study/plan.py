@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from fissura.case import Case, case_from_dict
+from fissura.case.load import read_toml
+from fissura.case.part import Part
 from fissura.case.report import input_error
 from fissura.case.types import Count, Fraction, fail
 from fissura.errors import InputError
@@ -25,19 +26,20 @@ FULL = "full"
 _VARIED = ("adaptivity", "discretization", "solver")
 _FIXED = (("discretization", "l_f"), ("discretization", "nuclei"))
 
-_ALLOWED = "a study file (TOML, UTF-8)"
 _NAME = 'up to 60 characters: letters, digits and any of "_ + - . = , %" and blanks'
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+def _some(seeds: tuple[int, ...]) -> tuple[int, ...]:
+    if not seeds:
+        fail("the list is empty", "at least one seed")
+    return seeds
 
 
 Names = tuple[str, ...]
-Seeds = tuple[Count, ...]
+Seeds = Annotated[tuple[Count, ...], AfterValidator(_some)]
 
 
-class Limits(_Part):
+class Limits(Part):
     """Errors below which a run counts as right, as fractions; 0.01 is 1 per cent."""
 
     load: Fraction = 0.01
@@ -45,27 +47,27 @@ class Limits(_Part):
     energy: Fraction = 0.01
 
 
-class SpecimenEntry(_Part):
+class SpecimenEntry(Part):
     """A specimen: a case file, and what is different from it."""
 
     name: str = Field(description="the name of the specimen")
     case: str = Field(description="the path of a case file, relative to the study")
     type: str = Field(default="", description="the kind of specimen, by which results are gathered")
-    change: dict[str, Any] = {}
-    seeds: Seeds | None = None
+    change: dict[str, Any] = Field(default_factory=dict)
+    seeds: Seeds | None = Field(default=None, description="a list of whole numbers, 0 or larger")
     limits: Limits = Limits()
 
 
-class Variation(_Part):
+class Variation(Part):
     """A choice of the parameters of adaptivity, with which every specimen is run."""
 
     name: str = Field(description="the name of the variation")
-    change: dict[str, Any] = {}
-    seeds: Seeds | None = None
-    specimens: Names | None = None
+    change: dict[str, Any] = Field(default_factory=dict)
+    seeds: Seeds | None = Field(default=None, description="a list of whole numbers, 0 or larger")
+    specimens: Names | None = Field(default=None, description="a list of names of specimens")
 
 
-class Plan(_Part):
+class Plan(Part):
     """A whole study.
 
     Attributes
@@ -80,7 +82,7 @@ class Plan(_Part):
     """
 
     name: str = "study"
-    seeds: Annotated[Seeds, Field(min_length=1)] = (1,)
+    seeds: Seeds = Field(default=(1,), description="a list of whole numbers, 0 or larger")
     specimens: tuple[SpecimenEntry, ...] = Field(description="at least one table [[specimens]] with name and case")
     variations: tuple[Variation, ...] = (Variation(name="default"),)
 
@@ -95,9 +97,12 @@ class Plan(_Part):
             for k, name in enumerate(names):
                 if not re.fullmatch(r"\w[\w +\-.=,%]{0,59}", name) or name.endswith((" ", ".")):
                     fail(f"{name!r} cannot name a file", _NAME, f"{key}[{k}].name")
-                if name in names[:k]:
-                    fail(f"{name!r} is the name of two", "a name of its own for each", f"{key}[{k}].name")
-                if name == FULL:
+                # Records of runs are files: names that differ in blanks or capitals only may name the same file.
+                earlier = next((other for other in names[:k] if _file_name(other) == _file_name(name)), None)
+                if earlier is not None:
+                    problem = f"{name!r} is the name of two" if earlier == name else f"{name!r} is too near {earlier!r}"
+                    fail(problem, "a name of its own for each", f"{key}[{k}].name")
+                if _file_name(name) == FULL:
                     fail(f"{name!r} is the name of the run at full resolution", "another name", f"{key}[{k}].name")
         known = [entry.name for entry in self.specimens]
         for k, variation in enumerate(self.variations):
@@ -174,6 +179,11 @@ class LoadedPlan:
                     yield Task(entry.name, seed, name, case)
 
 
+def _file_name(name: str) -> str:
+    """What tells files of runs apart where capitals do not."""
+    return name.replace(" ", "_").casefold()
+
+
 def _applies(variation: Variation, specimen: str, seed: int) -> bool:
     named = variation.specimens is None or specimen in variation.specimens
     return named and (variation.seeds is None or seed in variation.seeds)
@@ -193,7 +203,7 @@ def load_plan(path: str | Path) -> LoadedPlan:
         The file or a case file cannot be read, or anything in them is wrong.
     """
     path = Path(path)
-    return plan_from_dict(_read(path), path.parent)
+    return plan_from_dict(read_toml(path, "a study file (TOML, UTF-8)")[1], path.parent)
 
 
 def plan_from_dict(data: Mapping[str, Any], folder: str | Path = ".") -> LoadedPlan:
@@ -205,7 +215,7 @@ def plan_from_dict(data: Mapping[str, Any], folder: str | Path = ".") -> LoadedP
     cases = {}
     for k, entry in enumerate(plan.specimens):
         path = Path(folder) / entry.case
-        base = merged(_read(path), entry.change)
+        base = merged(_case_file(path, f"specimens[{k}].case"), entry.change)
         base = merged({**base, "name": entry.name}, {"output": {"vtk": 0}})
         for name, change, key in [
             (FULL, {}, f"specimens[{k}]"),
@@ -228,12 +238,9 @@ def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]
     return new
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _case_file(path: Path, key: str) -> dict[str, Any]:
+    """Tables of a case file."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError(str(path), "no such file", _ALLOWED) from None
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read: {error.strerror}", _ALLOWED) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(str(path), f"is not TOML: {error}", _ALLOWED) from None
+        return read_toml(path)[1]
+    except InputError as error:
+        raise InputError(key, f"{path}: {error.problem}", error.allowed) from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.case import Case, case_from_dict
-from fissura.errors import InputError
+from fissura.results.archive import read_archive, write_archive
 from fissura.results.curve import LATER, Curve, columns
 from fissura.results.result import Result
-from fissura.results.summary import write_atomically
 
 __all__ = ["FORMAT", "FORMAT_VERSION", "Energies", "Record", "case_text"]
 
@@ -120,8 +118,6 @@ class Record:
             for name in ("specimen", "seed", "variation", "case", "status", "message", "summary")
         }
         arrays: dict[str, Any] = {
-            "format": FORMAT,
-            "format_version": FORMAT_VERSION,
             "head": json.dumps(head, allow_nan=False),
             "pairs": self.energies.pairs.astype(np.int32),
             "energy": self.energies.energy,
@@ -129,10 +125,8 @@ class Record:
         }
         arrays |= {f"curve.{name}": values for name, values in self.curve.items()}
         arrays |= {f"indicator.{name}": values for name, values in self.indicators.items()}
-        buffer = io.BytesIO()
-        np.savez_compressed(buffer, **arrays)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, buffer.getvalue())
+        write_archive(path, FORMAT, FORMAT_VERSION, arrays)
 
     @classmethod
     def load(cls, path: Path) -> Record:
@@ -143,16 +137,8 @@ class Record:
         InputError
             The file is missing, is something else, or is newer than this version of Fissura.
         """
-        key, allowed = str(path), f"a {FORMAT} file of version 1 to {FORMAT_VERSION}"
-        try:
-            with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as archive:
-                arrays = {name: archive[name] for name in archive.files}
-            head = json.loads(str(arrays["head"]))
-            right = str(arrays["format"]) == FORMAT and int(arrays["format_version"]) <= FORMAT_VERSION
-        except Exception as error:  # zipfile, zlib and json raise many kinds for damaged files
-            raise InputError(key, f"cannot be read ({error})", allowed) from error
-        if not right:
-            raise InputError(key, f"is of version {arrays['format_version']}", allowed)
+        arrays = read_archive(path, FORMAT, FORMAT_VERSION)
+        head = json.loads(str(arrays["head"]))
         curve = _part(arrays, "curve.")
         energies = Energies(arrays["pairs"].astype(np.int64), arrays["energy"], arrays["centroid"].astype(np.float64))
         missing = set(columns([])) - set(curve) - LATER
