@@ -16,7 +16,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri
 
-from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, tidy
+from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, legend, tidy
 
 if TYPE_CHECKING:
     from fissura.case import Field
@@ -219,7 +219,7 @@ def draw_marginal(axes: Axes, marginal: Marginal, name: str, samples: FloatArray
     axes.set_xlabel("relative strength H")
     axes.set_ylabel("probability of less")
     axes.set_title("marginal on Weibull paper", loc="left", fontsize=9, color=INK)
-    axes.legend(fontsize=9, labelcolor=INK, edgecolor="none", framealpha=0.85, loc="lower right")
+    legend(axes, loc="lower right")
 
 
 def _paper(log_cdf: Any) -> FloatArray:

@@ -11,13 +11,24 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fissura.results import quantities as text
-from fissura.results.measured import read_measured
+from fissura.results.measured import MeasuredBand, read_measured
 from fissura.results.result import Result
 
 if TYPE_CHECKING:
     from fissura.results.compare import Comparison
 
-__all__ = ["gauge_name", "gauge_unit", "headline", "load_unit", "plot_comparison", "plot_curve", "tidy"]
+__all__ = [
+    "energy_unit",
+    "fill_measured",
+    "gauge_name",
+    "gauge_unit",
+    "headline",
+    "legend",
+    "load_unit",
+    "plot_comparison",
+    "plot_curve",
+    "tidy",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -49,16 +60,7 @@ def plot_curve(result: Result, path: Path) -> None:
     y_scale, y_unit = load_unit(float(np.abs(load).max()))
     if result.case.output.measured is not None:
         band = read_measured(result.case.output.measured)
-        axes.fill_between(
-            band.gauge * x_scale,
-            band.lower * y_scale,
-            band.upper * y_scale,
-            color=GREY,
-            alpha=0.75,
-            linewidth=0,
-            label="measured",
-            zorder=1,
-        )
+        fill_measured(axes, band, x_scale, y_scale)
     axes.plot(
         np.append(0.0, gauge) * x_scale,
         np.append(0.0, load) * y_scale,
@@ -131,7 +133,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
         )
     reference = comparison.peaks[1]
     share = 100 * (comparison.load_a - comparison.load_b) / reference if reference else 0 * comparison.load_b
-    over_scale, over_unit = (x_scale, x_unit) if by_gauge else _energy_unit(float(comparison.abscissa[-1]))
+    over_scale, over_unit = (x_scale, x_unit) if by_gauge else energy_unit(float(comparison.abscissa[-1]))
     over = comparison.abscissa * over_scale
     lower.axhline(0.0, color=INK, linewidth=0.8)
     lower.fill_between(over, share, color=BLUE, alpha=0.25, linewidth=0)
@@ -186,6 +188,25 @@ def tidy(axes: Axes) -> None:
     axes.yaxis.label.set_color(INK)
 
 
+def legend(axes: Axes, **more: Any) -> None:
+    """Legend that all pictures share: no frame, what is behind it shimmers through."""
+    axes.legend(**{"fontsize": 9, "labelcolor": INK, "edgecolor": "none", "framealpha": 0.85, **more})
+
+
+def fill_measured(axes: Axes, band: MeasuredBand, x_scale: float, y_scale: float) -> None:
+    """Measured band of loads, behind everything computed; scales are factors from metres and newtons."""
+    axes.fill_between(
+        band.gauge * x_scale,
+        band.lower * y_scale,
+        band.upper * y_scale,
+        color=GREY,
+        alpha=0.75,
+        linewidth=0,
+        label="measured",
+        zorder=1,
+    )
+
+
 def _note_peak(axes: Axes, gauge: float, load: float, x_scale: float, y_scale: float) -> None:
     """Mark the peak; the note lies on the side where there is more room."""
     x, y = gauge * x_scale, load * y_scale
@@ -212,7 +233,7 @@ def _legend(axes: Axes, gauge: FloatArray, load: FloatArray) -> None:
         if falls and gauge[load.argmax()] < 0.5 * gauge.max()
         else {"loc": "lower right", "bbox_to_anchor": (1.0, 0.06)}
     )
-    axes.legend(fontsize=9, labelcolor=INK, edgecolor="none", framealpha=0.85, **anchor)
+    legend(axes, **anchor)
 
 
 def _kind(result: Result) -> str:
@@ -232,7 +253,8 @@ def gauge_unit(largest: float) -> tuple[float, str]:
     return (1e6, "µm") if largest < 1e-3 else (1e3, "mm")
 
 
-def _energy_unit(largest: float) -> tuple[float, str]:
+def energy_unit(largest: float) -> tuple[float, str]:
+    """Factor from joules, and unit, for an axis up to the given energy."""
     return (1e3, "mJ") if largest < 1.0 else (1.0, "J")
 
 

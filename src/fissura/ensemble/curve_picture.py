@@ -1,0 +1,122 @@
+"""Picture of all curves of an ensemble, with their mean and percentiles."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fissura.ensemble.band import Band
+from fissura.ensemble.result import EnsembleResult
+from fissura.results.measured import read_measured
+from fissura.results.path import LoadPath
+from fissura.results.pictures import (
+    BLUE,
+    INK,
+    LIGHT,
+    ORANGE,
+    energy_unit,
+    fill_measured,
+    gauge_unit,
+    headline,
+    legend,
+    load_unit,
+    tidy,
+)
+
+__all__ = ["plot_curves"]
+
+WIDE = 7.2
+
+
+def plot_curves(result: EnsembleResult) -> Figure | None:
+    """Draw all curves, their mean and percentile band, and the deterministic run.
+
+    If the gauge of a run turns back, mean and band are over the dissipated energy, in a panel of their own. Where not
+    every run counts any more, the mean is dashed and the band is paler.
+    """
+    if not result.paths:
+        return None
+    found = result.band
+    over_energy = found is not None and found.over != "gauge"
+    figure = Figure(figsize=(WIDE, 7.6 if over_energy else 4.8), layout="constrained")
+    panels = figure.subplots(2 if over_energy else 1, 1, squeeze=False)[:, 0]
+    axes, banded = panels[0], panels[-1]
+    paths = result.paths
+    x, x_unit = gauge_unit(max(float(path.gauge.max()) for path in paths.values()))
+    y, y_unit = load_unit(max(float(path.load.max()) for path in paths.values()))
+    measured = result.plan.case.output.measured
+    if measured is not None and measured.exists():
+        fill_measured(axes, read_measured(measured), x, y)
+    finished = set(result.runs["number"][result.runs["status"] == "finished"].tolist())
+    _lines(axes, [path for k, path in paths.items() if k in finished], x, y, LIGHT, f"{len(finished)} runs", 0.55)
+    stopped = [path for k, path in paths.items() if k not in finished]
+    _lines(axes, stopped, x, y, ORANGE, f"{len(stopped)} stopped early", 0.9)
+    alone = list(result.companion_paths.values())
+    if len(alone) == 1:
+        axes.plot(
+            alone[0].gauge * x,
+            alone[0].load * y,
+            color=INK,
+            linewidth=1.3,
+            linestyle=(0, (5, 2)),
+            label="deterministic",
+        )
+    elif alone:
+        _lines(axes, alone, x, y, INK, f"{len(alone)} deterministic runs", 0.3)
+    if found is not None:
+        u, u_unit = (x, x_unit) if not over_energy else energy_unit(float(found.abscissa[-1]))
+        _band(banded, found, u, y)
+        if over_energy:
+            banded.set_xlabel(f"dissipated energy [{u_unit}]")
+            banded.set_ylabel(f"load [{y_unit}]")
+            banded.set_xlim(0.0, float(found.abscissa[-1]) * u)
+    axes.set_xlabel(f"{'gauge' if result.plan.case.quantity == 'gauge' else 'displacement of the load'} [{x_unit}]")
+    axes.set_ylabel(f"load [{y_unit}]")
+    axes.set_xlim(left=min(0.0, 1.02 * x * min(float(path.gauge.min()) for path in paths.values())))
+    for panel in panels:
+        tidy(panel)
+        panel.set_ylim(bottom=0.0)
+        legend(panel, loc="upper right")
+    headline(
+        axes,
+        "Load",
+        f"{len(paths)} runs of {result.plan.case.name}" + ("; the gauge turns back" if over_energy else ""),
+    )
+    return figure
+
+
+def _lines(axes: Axes, paths: list[LoadPath], x: float, y: float, colour: str, label: str, alpha: float) -> None:
+    for k, path in enumerate(paths):
+        axes.plot(
+            path.gauge * x, path.load * y, color=colour, linewidth=0.7, alpha=alpha, label=label if k == 0 else None
+        )
+
+
+def _band(axes: Axes, found: Band, u: float, y: float) -> None:
+    """Mean and percentiles of the loads, in units of ``1/u`` and ``1/y``."""
+    whole = found.whole
+    until = int(np.flatnonzero(whole)[-1]) + 1
+    for part, alpha in ((slice(0, until), 0.30), (slice(until - 1, None), 0.14)):
+        at = found.abscissa[part] * u
+        axes.fill_between(
+            at,
+            found.percentiles[0, part] * y,
+            found.percentiles[2, part] * y,
+            color=BLUE,
+            alpha=alpha,
+            linewidth=0,
+            label="5 % to 95 %" if alpha == 0.30 else None,
+            zorder=2,
+        )
+    axes.plot(found.abscissa[:until] * u, found.mean[:until] * y, color=BLUE, linewidth=1.9, label="mean", zorder=4)
+    if until < len(whole):
+        label = f"mean of those left (≥ {int(found.count.min())})"
+        axes.plot(
+            found.abscissa[until - 1 :] * u,
+            found.mean[until - 1 :] * y,
+            "--",
+            color=BLUE,
+            linewidth=1.5,
+            label=label,
+        )
