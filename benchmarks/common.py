@@ -101,6 +101,16 @@ def _changed(parser: argparse.ArgumentParser, found: argparse.Namespace, name: s
     return [] if value == parser.get_default(name) else [f"--{name.replace('_', '-')}", *map(str, values)]
 
 
+def cpu_time(call: Callable[[], Any], repeats: int = 1) -> tuple[Any, float]:
+    """What a call returns, and its processor time [s], the median of some repeats."""
+    times = []
+    for _ in range(repeats):
+        start = time.process_time()
+        out = call()
+        times.append(time.process_time() - start)
+    return out, median(times)
+
+
 def say(text: str) -> None:
     """Report progress."""
     print(text, file=sys.stderr, flush=True)

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.special import log_ndtr, ndtri
 
 import fissura.simulation as simulation_module
-from common import Check, Report, changed, example, main, measured, options, say, table
+from common import Check, Report, changed, cpu_time, example, main, measured, options, say, table
 from fissura.case import Field
 from fissura.material.field import MARGINALS, RandomField, covariance_named, marginal_named
 from fissura.material.field import expansion as choice
@@ -72,15 +72,6 @@ def produce(found: argparse.Namespace) -> Report:
     return Report("random_field", [*rows, *runs], _markdown(rows, runs), _checks(rows, runs))
 
 
-def _cpu(call: Callable[[], Any], repeats: int = 3) -> tuple[Any, float]:
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        out = call()
-        times.append(time.process_time() - start)
-    return out, median(times)
-
-
 def _rows(name: str, nu: float | None, length: float) -> list[dict[str, Any]]:
     covariance = covariance_named(name, (length,), nu)
     say(f"{name} {nu or ''} {1e3 * length:g} mm")
@@ -98,13 +89,13 @@ def _rows(name: str, nu: float | None, length: float) -> list[dict[str, Any]]:
     rows = []
     for kind, build in kinds:
         build()  # compiled kernels are not part of what is measured
-        expansion, built = _cpu(build)
+        expansion, built = cpu_time(build, 3)
         accuracy = expansion.accuracy
         xi = np.random.default_rng(2).standard_normal(accuracy.modes)
-        at, drawn = _cpu(lambda e=expansion, n=xi: e.realisation(n))
+        at, drawn = cpu_time(lambda e=expansion, n=xi: e.realisation(n), 3)
         field = RandomField(at, marginal, accuracy, 0)
         field.strength(x[:10])
-        _, evaluated = _cpu(lambda f=field: f.strength(x), 1 if accuracy.modes < 1000 else 2)
+        _, evaluated = cpu_time(lambda f=field: f.strength(x), 1 if accuracy.modes < 1000 else 2)
         rows.append(
             {
                 "model": name if nu is None else f"Matérn {nu:g}",
@@ -229,7 +220,7 @@ def _picture(case: Any, result: Any) -> float:
     field = field_from_case(case)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "field.png"
-        return _cpu(lambda: plot_field(field, case.field, case.specimen.size, result.last.tessellation, path), 2)[1]
+        return cpu_time(lambda: plot_field(field, case.field, case.specimen.size, result.last.tessellation, path), 2)[1]
 
 
 def _markdown(rows: list[dict[str, Any]], runs: list[dict[str, Any]]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -76,6 +77,7 @@ def marginals(path: Path) -> None:
 
 
 def main() -> int:
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter).parse_args()
     FOLDER.mkdir(parents=True, exist_ok=True)
     for draw in (realisation, models, marginals):
         path = FOLDER / f"field_{draw.__name__}.png"

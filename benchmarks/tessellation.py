@@ -9,16 +9,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-import time
-from collections.abc import Callable
 from itertools import chain
-from statistics import median
 from typing import Any
 
 import numpy as np
 from scipy.spatial import Voronoi
 
-from common import Check, Report, main, options, say, table
+from common import Check, Report, cpu_time, main, options, say, table
 from fissura.case import Notch as NotchPart
 from fissura.specimen import Box
 from fissura.specimen.notch import notch_from_part
@@ -73,39 +70,32 @@ def produce(found: argparse.Namespace) -> Report:
     return Report("tessellation", [*rows, *again], _markdown(rows, again), _checks(rows, again))
 
 
-def _timed(call: Callable[[], Any], repeats: int = 1) -> tuple[Any, float]:
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        out = call()
-        times.append(time.process_time() - start)
-    return out, median(times)
-
-
 def _placed(box: Box, seed: int) -> Nuclei:
     return Nuclei.placed(box, SPACING, mirror_zones(box, SPACING), np.random.default_rng(seed))
 
 
 def _row(seed: int, edge: float) -> dict[str, Any]:
     box = Box((edge,) * 3)
-    nuclei, placement = _timed(lambda: _placed(box, seed))
+    nuclei, placement = cpu_time(lambda: _placed(box, seed))
     n = len(nuclei)
     say(f"{n} bodies")
     repeats = 3 if n < 50_000 else 1
-    _, fine = _timed(lambda: select(nuclei, np.zeros(n)), 3)
-    _, coarse = _timed(lambda: select(nuclei, np.full(n, RATIO * SPACING)), 3)
+    _, fine = cpu_time(lambda: select(nuclei, np.zeros(n)), 3)
+    _, coarse = cpu_time(lambda: select(nuclei, np.full(n, RATIO * SPACING)), 3)
     spacing = np.full(n, SPACING)
-    cells, own = _timed(lambda: voronoi_cells(nuclei.x, box.size, spacing), 3)
-    _, whole = _timed(lambda: discretize(nuclei, box, np.zeros(n)), 3)
+    cells, own = cpu_time(lambda: voronoi_cells(nuclei.x, box.size, spacing), 3)
+    _, whole = cpu_time(lambda: discretize(nuclei, box, np.zeros(n)), 3)
     row = {"bodies": n, "placement_s": placement, "select_fine_s": fine, "select_coarse_s": coarse, "cells_s": own}
     row |= {"tessellation_s": whole, "per_body_us": 1e6 * whole / n}
     reference = _Areas(nuclei.x, box.size, cells.pairs, cells.area, *_sums_of(cells))
     row["exact_own"] = reference.exactness()
-    (pairs, offsets, points), row["qhull_s"] = _timed(lambda: _qhull(nuclei.x, box.size), repeats)
+    (pairs, offsets, points), row["qhull_s"] = cpu_time(lambda: _qhull(nuclei.x, box.size), repeats)
     row["exact_qhull"] = _from_polygons(nuclei.x, box.size, pairs, offsets, points).exactness(reference)
     if compute_voronoi is not None:
         limits = np.array([np.zeros(3), box.size])
-        found, row["multivoro_s"] = _timed(lambda: compute_voronoi(nuclei.x, limits=limits, radii=np.ones(n)), repeats)
+        found, row["multivoro_s"] = cpu_time(
+            lambda: compute_voronoi(nuclei.x, limits=limits, radii=np.ones(n)), repeats
+        )
         row["exact_multivoro"] = _from_multivoro(nuclei.x, box.size, found).exactness(reference)
     return row
 
@@ -229,7 +219,7 @@ def _again(seed: int, edge: float, notched: bool) -> dict[str, Any]:
     times = np.array(
         [
             [
-                _timed(call)[1]
+                cpu_time(call)[1]
                 for call in (lambda: discretize(nuclei, box, whole), lambda: discretize(nuclei, box, whole, previous))
             ]
             for _ in range(REPEATS)
