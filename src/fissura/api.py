@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.case import Case, load_case
-from fissura.check import require_memory
 from fissura.errors import InputError, RunStopped
+from fissura.memory import require_memory
 
 if TYPE_CHECKING:
     from fissura.results import Result

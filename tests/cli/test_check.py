@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from fissura import check
+from fissura import check, memory
 from fissura.case import Case, load_case
 from fissura.errors import InputError
 from fissura.results.quantities import energy
@@ -23,11 +23,11 @@ def spacing(l_f: float) -> Case:
 
 
 def test_estimates() -> None:
-    assert check.estimate_bodies(spacing(0.01)) == pytest.approx(0.734 * 35.6 * 10.6 * 5.6)
-    assert 0.993e9 < check.estimate_memory(23_647) < 1.3e9  # measured: 0.993e9
-    assert 2.9e9 < check.estimate_memory(101_000) < 4.4e9
-    assert check.estimate_elastic_memory(101_000) < check.estimate_memory(101_000)
-    assert 1e8 < check.physical_memory() < 1e14
+    assert memory.estimate_bodies(spacing(0.01)) == pytest.approx(0.734 * 35.6 * 10.6 * 5.6)
+    assert 0.993e9 < memory.estimate_memory(23_647) < 1.3e9  # measured: 0.993e9
+    assert 2.9e9 < memory.estimate_memory(101_000) < 4.4e9
+    assert memory.estimate_elastic_memory(101_000) < memory.estimate_memory(101_000)
+    assert 1e8 < memory.physical_memory() < 1e14
 
 
 @pytest.mark.parametrize(
@@ -43,23 +43,23 @@ def test_estimates() -> None:
     ],
 )
 def test_memory_is_required(monkeypatch: pytest.MonkeyPatch, l_f: float, full: bool, refused: bool) -> None:
-    monkeypatch.setattr(check, "physical_memory", lambda: 4e9)
+    monkeypatch.setattr(memory, "physical_memory", lambda: 4e9)
     if not refused:
         case = spacing(l_f)
-        check.require_memory(
+        memory.require_memory(
             case.model_copy(update={"adaptivity": case.adaptivity.model_copy(update={"calibrate": False})}), full=full
         )
         return
     with pytest.raises(InputError) as caught:
-        check.require_memory(spacing(l_f), full=full)
+        memory.require_memory(spacing(l_f), full=full)
     assert caught.value.key == "discretization.l_f"
     assert ("without full resolution" in caught.value.allowed) == full
 
 
 def test_calibration_needs_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(check, "physical_memory", lambda: 4e9)
+    monkeypatch.setattr(memory, "physical_memory", lambda: 4e9)
     with pytest.raises(InputError) as caught:
-        check.require_memory(spacing(0.001))
+        memory.require_memory(spacing(0.001))
     assert caught.value.key == "adaptivity.calibrate"
     assert "false" in caught.value.allowed
 

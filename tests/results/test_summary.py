@@ -105,6 +105,13 @@ def test_missing_file(tmp_path):
         read_summary(tmp_path)
 
 
+def test_files_of_an_ensemble_are_called_so(tmp_path):
+    path = tmp_path / "ensemble.json"
+    path.write_text("{}")
+    with pytest.raises(InputError, match=r"the ensemble\.json of a Fissura ensemble"):
+        read_summary(path)
+
+
 def test_atomic_writing_leaves_no_other_file(tmp_path):
     for data in (b"old", b"new"):
         write_atomically(tmp_path / "file", data)

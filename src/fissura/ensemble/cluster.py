@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
-from fissura.check import estimate_bodies, estimate_memory, physical_memory
 from fissura.ensemble.outcome import Outcome, compute
 from fissura.ensemble.plan import Task
 from fissura.errors import EnsembleStopped, InputError
+from fissura.memory import estimate_bodies, estimate_memory, physical_memory
 from fissura.threads import threads_each
 
 if TYPE_CHECKING:

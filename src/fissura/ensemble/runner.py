@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from fissura.case import Case, load_case
-from fissura.check import require_memory
 from fissura.ensemble.cluster import check_address, connected, outcomes, require_dask, workers_that_fit
 from fissura.ensemble.outcome import Outcome
 from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling, Task
@@ -17,6 +16,7 @@ from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
 from fissura.errors import EnsembleStopped, FissuraError, InputError
+from fissura.memory import require_memory
 
 __all__ = ["run_ensemble"]
 

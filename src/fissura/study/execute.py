@@ -34,7 +34,7 @@ def execute(task: Task, interrupted: Callable[[], bool] = lambda: False) -> Reco
     KeyboardInterrupt
         It said so, or the user did.
     """
-    from fissura.check import require_memory
+    from fissura.memory import require_memory
     from fissura.results.curve import columns, row
     from fissura.results.summary import build_summary
     from fissura.simulation import Simulation
