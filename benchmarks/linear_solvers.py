@@ -147,7 +147,7 @@ def _beam_row(name: str, seed: int, size: int, *, memory: bool = True) -> dict[s
     if bodies <= DIRECT_UP_TO:
         row |= _direct(system, sound, row)
         names.append("direct")
-    return row | (_memory(system, sound, names) if memory else {})
+    return row | (_memory(system, names) if memory else {})
 
 
 def _cracked(system: System, case: Case, share: float) -> FloatArray:
@@ -183,7 +183,7 @@ def _ratios(name: str, setup: float, solve: float, two_level: dict[str, Any]) ->
     return {f"{name}_ratio": (setup + solve) / (a + b), f"{name}_ratio_two": (setup + 2 * solve) / (a + 2 * b)}
 
 
-def _memory(system: System, data: FloatArray, names: list[str]) -> dict[str, float]:
+def _memory(system: System, names: list[str]) -> dict[str, float]:
     """Peak memory of solvers in processes of their own [kB per body]."""
     _, small = _system("beam_d100", 1, 500)
     bodies, out = len(system.tessellation), {}

@@ -111,10 +111,10 @@ def _paper(axes: Axes, fit: Fit, peaks: FloatArray, scale: float) -> None:
     axes.set_yticks(family.quantile(ticks / 100), [f"{tick:g}" for tick in ticks])
     tidy(axes)
     legend(axes, fontsize=8.5, loc="lower right")
-    headline(axes, f"{family.name} paper", _parameters(family, fit, scale))
+    headline(axes, f"{family.name} paper", _parameters(family, fit))
 
 
-def _parameters(family: Family, fit: Fit, scale: float) -> str:
+def _parameters(family: Family, fit: Fit) -> str:
     values = [value[0] for value in fit.parameters.values()]
     if family is GAUSSIAN:
         return f"CoV {100 * values[1] / values[0]:.2f} %, Anderson–Darling p = {fit.p_value:.2f}"

@@ -171,7 +171,7 @@ class EnsembleResult:
                 ("5 % and 95 % of peaks", f"{text.force(peak['p05'])}, {text.force(peak['p95'])}"),
             ]
             for name, fit in found.fits.items():
-                values = ", ".join(_parameter(name, key, value) for key, value in fit.parameters.items())
+                values = ", ".join(_parameter(key, value) for key, value in fit.parameters.items())
                 rows.append((f"{name} fit", f"{values}; p = {fit.p_value:.2f}"))
         elif peak["n"] == 1:
             rows.append(("peak load", text.force(peak["mean"])))
@@ -210,6 +210,6 @@ def _counts(result: EnsembleResult) -> str:
     return ", ".join(parts) + (f"; {bad} of the companions did not finish" if bad else "")
 
 
-def _parameter(family: str, key: str, values: tuple[float, float, float]) -> str:
+def _parameter(key: str, values: tuple[float, float, float]) -> str:
     show = (lambda value: f"{value:.3g}") if key == "shape" else text.force
     return f"{key} {show(values[0])} (90 %: {show(values[1])} to {'∞' if math.isinf(values[2]) else show(values[2])})"

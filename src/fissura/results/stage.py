@@ -134,7 +134,7 @@ class Stage:
     """
 
     def __init__(self, axes: Axes, case: Case, look: Look, thin: float = 1.0) -> None:
-        self._look, self._thin = look, thin
+        self._look = look
         self._shapes: tuple[Section, Outlines] | None = None
         self._bodies = PolyCollection([], linewidths=0.35 * thin, edgecolors=EDGE, zorder=2)
         self._cracks = PolyCollection([], zorder=4, joinstyle="round")
