@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import fissura.simulation
+import fissura.structure
 from equilibrium.models import BEAM, beam, changed
 from fissura.adaptivity import gauge_compliance
 from fissura.case import case_from_dict, load_case
@@ -310,7 +311,7 @@ def test_initial_stiffness_is_the_slope_of_the_first_step():
     assert np.isnan(simulation.initial_stiffness)
     steps = list(simulation.steps())
     assert steps[0].load / steps[0].gauge == pytest.approx(simulation.initial_stiffness, rel=1e-4)
-    assert simulation.initial_stiffness == pytest.approx(1 / gauge_compliance(simulation._system), rel=1e-9)
+    assert simulation.initial_stiffness == pytest.approx(1 / gauge_compliance(simulation._structure.system), rel=1e-9)
 
 
 def test_everything_fine_from_a_region_equals_the_full_run():
@@ -492,9 +493,9 @@ def test_energy_takes_over_where_the_displacement_jumps_and_gives_back(kind, see
 
 def run_with(case, change, monkeypatch, *, full):
     """Steps of a run whose nuclei are replaced by a function of those of the plain beam."""
-    plain = fissura.simulation.nuclei_from_case(beam(), specimen_from_case(beam()))
+    plain = fissura.structure.nuclei_from_case(beam(), specimen_from_case(beam()))
     with monkeypatch.context() as patch:
-        patch.setattr(fissura.simulation, "nuclei_from_case", lambda case, box: change(plain))
+        patch.setattr(fissura.structure, "nuclei_from_case", lambda case, box: change(plain))
         simulation = Simulation(case, full=full)
     return simulation, list(simulation.steps())
 

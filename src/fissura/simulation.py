@@ -8,33 +8,22 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.adaptivity import (
-    Coarsening,
-    ElasticState,
-    RefinedRegion,
-    calibrated,
-    criterion_named,
-    gauge_compliance,
-    needed_bodies,
-    region_from_case,
-    transfer_history,
-)
-from fissura.contact import law_from_case
-from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, Team, settle
+from fissura.adaptivity import ElasticState, transfer_history
+from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, settle
 from fissura.errors import InputError, RunStopped
-from fissura.material import check_not_everywhere, elastic_from_case, field_from_case, material_from_case
-from fissura.specimen import conditions_from_case, specimen_from_case
 from fissura.step import Snapshot, Step
-from fissura.tessellation import Tessellation, discretize, nuclei_from_case
+from fissura.structure import Structure
 
 if TYPE_CHECKING:
     from fissura.case import Case
+    from fissura.material.field import RandomField
+    from fissura.tessellation import Tessellation
 
 __all__ = ["Simulation"]
 
@@ -46,9 +35,6 @@ _MOST_REFINEMENTS = 60
 
 #: Error of the initial stiffness that is accepted after calibration.
 _STIFFNESS_ERROR = 0.02
-
-#: Share of gamma from which bodies are refined along with critical ones.
-_AHEAD = 0.85
 
 
 #: Extrapolation in steps, at most; where energy leads and there is nothing to extrapolate from, the factor on a state
@@ -105,10 +91,6 @@ class Simulation:
         Bodies at full resolution, and at the start of this run.
     initial_stiffness : float
         Load over controlled quantity of the elastic structure at the start [N/m]; nan before the first step.
-    tessellation : Tessellation
-        The current discretization.
-    field : RandomField or None
-        Relative strength as a function of position; None where it is the same everywhere.
     cpu_repeated, cpu_refining : float
         Processor time so far of solutions that were given up for a refinement, and of refinements: tessellation,
         equations, and settling on them [s].
@@ -117,66 +99,39 @@ class Simulation:
     def __init__(self, case: Case, *, full: bool = False) -> None:
         self.wall_start, self.cpu_start = time.perf_counter(), time.process_time()
         self.case, self.full = case, full
-        self._criterion = criterion_named(case.adaptivity.criterion)
-        self._law = law_from_case(case)
-        self._material = material_from_case(case)
-        self._box = specimen_from_case(case)
-        self._conditions = conditions_from_case(case, self._box)
-        self._elastic = elastic_from_case(case)
-        self.field = field_from_case(case)
-        self._team = Team(case.solver.threads)
-        self._nuclei = nuclei_from_case(case, self._box)
-        check_not_everywhere(self._elastic, self._nuclei.x)
-        self._region = region_from_case(case, self._box, full=full)
-        self._coarsening = Coarsening(self._nuclei.x)
-        self.tessellation = self._discretize(self._region)
-        self._system = self._equations(self.tessellation)
-        self._compliance: float | None = None  # at full resolution; known when calibration needs it
-        self.bodies_full = len(self._nuclei)
+        self._structure = Structure(case, full=full)
+        self.bodies_full = len(self._structure.nuclei)
         self.bodies_start = len(self.tessellation)
         self.initial_stiffness = float("nan")
         self.cpu_repeated = self.cpu_refining = 0.0
 
     @property
+    def tessellation(self) -> Tessellation:
+        """The current discretization."""
+        return self._structure.system.tessellation
+
+    @property
+    def field(self) -> RandomField | None:
+        """Relative strength as a function of position; None where it is the same everywhere."""
+        return self._structure.field
+
+    @property
     def elastic_scale(self) -> float:
         """Factor that calibration put on the stiffness of elastic contacts; 1 without calibration."""
-        return self._system.elastic_scale
-
-    def _discretize(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
-        return discretize(self._nuclei, self._box, region.spacing(self._nuclei.x), previous)
-
-    def _equations(self, tessellation: Tessellation) -> System:
-        return System(
-            tessellation,
-            self._material,
-            self._law,
-            self._conditions,
-            self.case.solver.linear,
-            self._elastic,
-            self.field,
-            self._team,
-        )
-
-    def _calibrated(self, system: System) -> System:
-        """The equations of a discretization, their elastic part calibrated when the case asks for that."""
-        if self.full or not self.case.adaptivity.calibrate:
-            return system
-        if self._compliance is None:
-            whole = self._discretize(replace(self._region, everywhere=True))
-            self._compliance = gauge_compliance(self._equations(whole))
-        return calibrated(system, self._compliance, self._system.elastic_scale)
+        return self._structure.system.elastic_scale
 
     def _start(self) -> _Path:
         """The unloaded structure; finds the initial stiffness on the way."""
+        structure = self._structure
         try:
-            self._system = system = self._calibrated(self._system)
+            system = structure.calibrate()
             self.initial_stiffness = settle(system, system.virgin(), 1.0).load
         except SingularMatrixError as error:
             raise InputError(
                 "supports", f"the structure is a mechanism ({error})", "supports that hold all of the specimen"
             ) from error
-        if self._compliance is not None:
-            off = self.initial_stiffness * self._compliance - 1.0
+        if structure.compliance is not None:
+            off = self.initial_stiffness * structure.compliance - 1.0
             if abs(off) > _STIFFNESS_ERROR:
                 kind = f"{abs(off):.0%} too {'stiff' if off > 0.0 else 'soft'}"
                 raise InputError(
@@ -203,7 +158,9 @@ class Simulation:
         control = self.case.control
         solver = StepSolver(control.tolerance, control.max_iterations)
         path = self._start()
-        follower = PathFollower(control, self.case.material.G_t * self._box.smallest_section, self.case.quantity)
+        follower = PathFollower(
+            control, self.case.material.G_t * self._structure.box.smallest_section, self.case.quantity
+        )
         while not follower.ended(path.now.value, path.load, path.peak):
             goal = follower.goal(path.now.value)
             value, dissipated = path.now.value, path.dissipated
@@ -212,7 +169,6 @@ class Simulation:
                 step, last = attempt
                 follower.succeeded(goal, last, step.gauge - value, path.dissipated - dissipated, step.gauge)
                 yield step
-                self._coarsening = self._coarsening.stepped()
                 self._coarsen(path)
             elif not follower.failed(unloaded=path.now.load == 0.0):
                 raise RunStopped(
@@ -250,16 +206,7 @@ class Simulation:
             path.iterations += found.iterations
             if follower.is_jump(goal, abs(path.load) - abs(found.load), path.peak):
                 return None
-            utilisation = system.elastic_utilisation(found.response)
-            stress = system.stress(found.response, found.load)
-            state = ElasticState(
-                system.tessellation,
-                stress,
-                system.strength,
-                utilisation,
-                self._elastic.contains(system.tessellation.x),
-            )
-            criterion = np.where(system.tessellation.fine, np.nan, self._criterion(state))
+            state, criterion = self._structure.assess(found.response, found.load)
             critical = np.nan_to_num(criterion) > self.case.adaptivity.gamma
             if not critical.any():
                 break
@@ -270,7 +217,7 @@ class Simulation:
                     f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, path.now.value
                 )
             # Bodies that would be critical soon are taken along: re-tessellation costs more than a few bodies.
-            soon = np.nan_to_num(criterion) > _AHEAD * self.case.adaptivity.gamma
+            soon = np.nan_to_num(criterion) > self.case.adaptivity.ahead * self.case.adaptivity.gamma
             solved = time.process_time()
             try:
                 self._refine(path, system.tessellation.x[soon], found.response.history)
@@ -281,7 +228,7 @@ class Simulation:
             path.factorizations += path.system.factorizations
             self.cpu_repeated += solved - began
             self.cpu_refining += time.process_time() - solved
-        return self._accept(path, goal, found, criterion, utilisation, stress), found.iterations
+        return self._accept(path, goal, found, criterion, state), found.iterations
 
     def _guess(self, path: _Path, goal: Goal) -> tuple[FloatArray, float]:
         """Displacements and load with which the iteration begins: extrapolated from the last two states."""
@@ -316,47 +263,28 @@ class Simulation:
 
     def _refine(self, path: _Path, centers: FloatArray, reached: FloatArray) -> None:
         """Refine around critical centres and settle the last accepted state on the new discretization."""
-        self._coarsening = self._coarsening.refined(centers)
-        pairs = path.system.pairs()
-        self._change(path, self._region.grown(centers))
-        path.aim = transfer_history(pairs, reached, path.system.pairs())
+        old = path.system
+        self._moved(path, self._structure.refine(centers))
+        path.aim = transfer_history(old.pairs(), reached, path.system.pairs())
         _log.info("refined to %d bodies at %.4g m", len(self.tessellation), path.now.value)
 
     def _coarsen(self, path: _Path) -> None:
-        """Give up what is fine and not needed any more, where that pays."""
-        if self.full or not self.case.adaptivity.coarsen:
-            return
-        system, response = path.system, path.now.response
-        strain = response.strain[system.active]
-        needed = needed_bodies(
-            system.tessellation,
-            system.active,
-            strain,
-            response.history,
-            system.law.utilisation(strain),
-            self._material.alpha,
-            self.case.adaptivity.gamma_coarse,
-        )
-        before = self._region
-        region = self._coarsening.smaller(before, system.tessellation, needed)
-        if region is not None:
-            self._change(path, region)
-            self._coarsening = self._coarsening.coarsened(before)
+        """Give up what is fine and not needed any more, where that pays, and settle the last accepted state there."""
+        system = self._structure.coarsen(path.now.response)
+        if system is not None:
+            self._moved(path, system)
             path.coarsenings += 1
             _log.info("coarsened to %d bodies at %.4g m", len(self.tessellation), path.now.value)
 
-    def _change(self, path: _Path, region: RefinedRegion) -> None:
-        """Discretize for another region and settle the last accepted state there.
+    def _moved(self, path: _Path, system: System) -> None:
+        """Settle the last accepted state on another discretization.
 
         The load and the energy stored jump a little. The jump of energy is kept apart, so that the balance of the rest
         can be told.
         """
         old, before = path.system, path.now
-        self._region = region
-        self.tessellation = self._discretize(region, self.tessellation)
-        self._system = system = path.system = self._calibrated(self._equations(self.tessellation))
         history = transfer_history(old.pairs(), before.response.history, system.pairs())
-        path.before = None
+        path.system, path.before = system, None
         if before.value == 0.0:
             path.now = Equilibrium(system.response(np.zeros(system.size), history), 0.0, 0.0)
             return
@@ -371,8 +299,7 @@ class Simulation:
         goal: Goal,
         found: Equilibrium,
         criterion: FloatArray,
-        utilisation: FloatArray,
-        stress: FloatArray,
+        state: ElasticState,
     ) -> Step:
         system = path.system
         displacement = float(system.load @ found.response.u)
@@ -401,9 +328,9 @@ class Simulation:
             stored=system.stored(found.response),
             work=path.work,
             exchanged=path.exchanged,
-            max_elastic_utilisation=float(utilisation.max(initial=0.0)),
+            max_elastic_utilisation=float(state.utilisation.max(initial=0.0)),
             residual=found.norms.force,
-            snapshot=self._snapshot(system, found, criterion, stress),
+            snapshot=self._snapshot(system, found, criterion, state.stress),
             control=goal.control,
             load_change=path.load_change,
             spent=spent,

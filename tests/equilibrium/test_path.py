@@ -182,7 +182,7 @@ def started(**control):
     scale[WEAK] = SHARE
     system.law = CusatisCedolin.create(BRITTLE, system.law.length, scale)
     simulation = Simulation(case, full=True)
-    simulation._system = system
+    simulation._structure.system = system
     return simulation
 
 

@@ -79,7 +79,7 @@ def test_a_case_says_how_many_threads():
 
 def test_a_run_uses_the_threads_of_its_case():
     case = case_from_dict(beam().model_dump() | {"solver": {"threads": 3}})
-    assert Simulation(case)._system.team.threads == 3
+    assert Simulation(case)._structure.system.team.threads == 3
 
 
 def test_a_small_structure_is_one_domain_and_starts_no_thread(sound):

@@ -56,6 +56,7 @@ class Adaptivity(Part):
     gamma: Fraction = Field(default=math.nan, validate_default=False)
     r_f: PositiveLength = Field(default=math.nan, validate_default=False)
     r_c: PositiveLength = Field(default=math.nan, validate_default=False)
+    ahead: Fraction = 0.85
     coarsen: Flag = False
     gamma_coarse: Fraction = Field(default=math.nan, validate_default=False)
     r_w: PositiveLength = Field(default=math.nan, validate_default=False)

@@ -1,0 +1,184 @@
+"""The specimen of a run as it is discretized: equations that change with the refined region."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.adaptivity import (
+    Coarsening,
+    ElasticState,
+    RefinedRegion,
+    calibrated,
+    criterion_named,
+    gauge_compliance,
+    needed_bodies,
+    region_from_case,
+)
+from fissura.contact import law_from_case
+from fissura.equilibrium import Response, System, Team
+from fissura.material import check_not_everywhere, elastic_from_case, field_from_case, material_from_case
+from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.tessellation import Tessellation, discretize, nuclei_from_case
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+
+__all__ = ["Structure"]
+
+FloatArray = NDArray[np.float64]
+
+
+class Structure:
+    """Discretizes a specimen for a refined region, and again when the region changes.
+
+    Parameters
+    ----------
+    case : Case
+        What is broken.
+    full : bool
+        Every nucleus is fine, for good.
+
+    Raises
+    ------
+    InputError
+        Something in the case cannot be built.
+
+    Attributes
+    ----------
+    box, nuclei : Box, Nuclei
+        The specimen, and all its fine nuclei.
+    field : RandomField or None
+        Relative strength as a function of position; None where it is the same everywhere.
+    system : System
+        Equations of the current discretization.
+    compliance : float or None
+        Controlled quantity per unit load of the undamaged structure at full resolution [m/N]; known when calibration
+        has needed it.
+    """
+
+    def __init__(self, case: Case, *, full: bool) -> None:
+        self._case, self._full = case, full
+        self._criterion = criterion_named(case.adaptivity.criterion)
+        self._law = law_from_case(case)
+        self._material = material_from_case(case)
+        self.box = specimen_from_case(case)
+        self._conditions = conditions_from_case(case, self.box)
+        self._elastic = elastic_from_case(case)
+        self.field = field_from_case(case)
+        self._team = Team(case.solver.threads)
+        self.nuclei = nuclei_from_case(case, self.box)
+        check_not_everywhere(self._elastic, self.nuclei.x)
+        self._region = region_from_case(case, self.box, full=full)
+        self._coarsening = Coarsening(self.nuclei.x)
+        self.compliance: float | None = None
+        self.system = self._equations(self._discretized(self._region))
+
+    def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
+        return discretize(self.nuclei, self.box, region.spacing(self.nuclei.x), previous)
+
+    def _equations(self, tessellation: Tessellation) -> System:
+        return System(
+            tessellation,
+            self._material,
+            self._law,
+            self._conditions,
+            self._case.solver.linear,
+            self._elastic,
+            self.field,
+            self._team,
+        )
+
+    def _calibrated(self, system: System) -> System:
+        """The same equations, their elastic part calibrated when the case asks for that."""
+        if self._full or not self._case.adaptivity.calibrate:
+            return system
+        if self.compliance is None:
+            whole = self._discretized(replace(self._region, everywhere=True))
+            self.compliance = gauge_compliance(self._equations(whole))
+        return calibrated(system, self.compliance, self.system.elastic_scale)
+
+    def calibrate(self) -> System:
+        """Calibrate the equations of the start, and return them.
+
+        Raises
+        ------
+        SingularMatrixError
+            The structure is a mechanism.
+        """
+        self.system = self._calibrated(self.system)
+        return self.system
+
+    def assess(self, response: Response, load: float) -> tuple[ElasticState, FloatArray]:
+        """How near to failure elastic bodies are.
+
+        Parameters
+        ----------
+        response : Response
+            A state of equilibrium on the current discretization.
+        load : float
+            Its load [N].
+
+        Returns
+        -------
+        state : ElasticState
+            What the criterion looks at.
+        criterion : (n,) array
+            Its value, 1 at strength; nan for fine bodies.
+        """
+        system, tessellation = self.system, self.system.tessellation
+        state = ElasticState(
+            tessellation,
+            system.stress(response, load),
+            system.strength,
+            system.elastic_utilisation(response),
+            self._elastic.contains(tessellation.x),
+        )
+        return state, np.where(tessellation.fine, np.nan, self._criterion(state))
+
+    def refine(self, centers: FloatArray) -> System:
+        """Refine around critical centres, shape (k, 3), and return the new equations.
+
+        Raises
+        ------
+        InputError, SingularMatrixError
+            The refined discretization cannot be used.
+        """
+        self._coarsening = self._coarsening.refined(centers)
+        return self._change(self._region.grown(centers))
+
+    def coarsen(self, response: Response) -> System | None:
+        """Give up what is fine and not needed any more after an accepted step; None where nothing changes.
+
+        Parameters
+        ----------
+        response : Response
+            The accepted state.
+        """
+        if self._full or not self._case.adaptivity.coarsen:
+            return None
+        self._coarsening = self._coarsening.stepped()
+        system, before = self.system, self._region
+        strain = response.strain[system.active]
+        needed = needed_bodies(
+            system.tessellation,
+            system.active,
+            strain,
+            response.history,
+            system.law.utilisation(strain),
+            self._material.alpha,
+            self._case.adaptivity.gamma_coarse,
+        )
+        region = self._coarsening.smaller(before, system.tessellation, needed)
+        if region is None:
+            return None
+        self._coarsening = self._coarsening.coarsened(before)
+        return self._change(region)
+
+    def _change(self, region: RefinedRegion) -> System:
+        self._region = region
+        self.system = self._calibrated(self._equations(self._discretized(region, self.system.tessellation)))
+        return self.system
