@@ -72,13 +72,18 @@ def test_the_bound_grows_with_utilisation():
     assert load_error_bound(0.75) == pytest.approx(0.01, rel=0.1)
 
 
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_bound_of_a_level_is_within_its_tolerance(level):
+    assert load_error_bound(level.gamma, level.r_f) <= level.tolerance
+
+
 @pytest.mark.parametrize(("used", "warns"), [(0.5, False), (1.2, True)])
 def test_a_run_warns_beyond_its_tolerance(used, warns):
     run = simulation()
     run.case = run.case.model_copy(update={"adaptivity": run.case.adaptivity.model_copy(update={"tolerance": 0.01})})
     curve = columns([row(step(1, 1e-6, 10.0, max_elastic_utilisation=used), 0.0, 0.0)])
     summary = build_summary(run, curve, status="finished", message="", cpu_s=1.0, wall_s=1.0)
-    assert summary["load_error_bound"] == pytest.approx(load_error_bound(used))
+    assert summary["load_error_bound"] == pytest.approx(load_error_bound(used, 6.0))
     assert any("adaptivity.tolerance" in text for text in summary["warnings"]) is warns
     run.full = True
     whole = build_summary(run, curve, status="finished", message="", cpu_s=1.0, wall_s=1.0)

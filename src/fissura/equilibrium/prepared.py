@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+from weakref import proxy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,8 @@ class PreparedSecant:
     """
 
     def __init__(self, system: System, solver: SymmetricSolver) -> None:
-        self._system, self._solver = system, solver
+        # The system owns this: a reference back would keep both, and their matrices, until the collector comes.
+        self._system, self._solver = proxy(system), solver
         self.count = 0
         self._matrix = -1  # number of the matrix that it prepared
         self.intact: FloatArray = np.empty(0)

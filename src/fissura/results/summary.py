@@ -66,7 +66,11 @@ def build_summary(
     iterations, work = int(curve["iterations"].sum()), _last(curve, "work_J")
     stored, dissipated, exchanged = (_last(curve, f"{name}_J") for name in ("stored", "dissipated", "exchanged"))
     used = _largest(curve["max_elastic_utilisation"])
-    bound = None if simulation.full or used is None else load_error_bound(used)
+    bound = (
+        None
+        if simulation.full or used is None
+        else load_error_bound(used, case.adaptivity.r_f / case.discretization.l_f)
+    )
     summary = {
         "format_version": FORMAT_VERSION,
         "case": case.name,

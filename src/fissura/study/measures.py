@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.adaptivity import load_error_bound
 from fissura.errors import InputError
 from fissura.results.compare import compare_results
 from fissura.study.indicators import INDICATORS
@@ -66,6 +67,8 @@ class Measures:
         else cost anything. It is the same on every machine, however busy.
     repeated, refining : float
         Share of the adaptive run's processor time in solutions that were given up, and in re-tessellation.
+    bound : float
+        What the run itself gives as a bound of `load`; see `fissura.adaptivity.load_error_bound`.
     indicators : dict of str to float
         Largest value of every indicator over the run; of the calibration the last one.
     """
@@ -97,6 +100,7 @@ class Measures:
     effort_ratio: float = math.nan
     repeated: float = math.nan
     refining: float = math.nan
+    bound: float = math.nan
     indicators: dict[str, float] | None = None
 
     @property
@@ -156,6 +160,9 @@ def measure(adaptive: Record, full: Record) -> Measures:
         effort_ratio=_effort(full) / _effort(adaptive),
         repeated=float(summary["cpu_repeated_s"]) / cpu,
         refining=float(summary["cpu_refining_s"]) / cpu,
+        bound=load_error_bound(
+            float(adaptive.indicators["utilisation"].max()), float(adaptive.case["adaptivity"]["r_f"]) / l_f
+        ),
         indicators={name: float(values.max()) for name, values in adaptive.indicators.items()}
         | {"calibration": abs(float(summary["elastic_scale"]) - 1.0)},
     )
