@@ -60,6 +60,7 @@ def outcome(seeds=6):
                         ratio,
                         0.05,
                         0.1,
+                        2.0 * error,
                         values | {"balance": 0.0},
                     )
                 )
