@@ -112,6 +112,8 @@ def test_run_out_of_memory(tiny: Path, fake: type[FakeSimulation]) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_run_interrupted(tiny: Path, fake: type[FakeSimulation], number: signal.Signals) -> None:
+    # What a shell starts in the background ignores interruptions.
+    inherited = signal.signal(number, signal.default_int_handler)
     before = signal.getsignal(number)
 
     def steps(self: FakeSimulation) -> Iterator[Any]:
@@ -126,6 +128,7 @@ def test_run_interrupted(tiny: Path, fake: type[FakeSimulation], number: signal.
     assert "interrupted; the 3 steps before it are saved in results/tiny" in done.stderr
     assert Path("results/tiny/summary.json").read_text() == "interrupted"
     assert signal.getsignal(number) is before
+    signal.signal(number, inherited)
 
 
 def test_run_interrupted_while_building(tiny: Path, fake: type[FakeSimulation]) -> None:
