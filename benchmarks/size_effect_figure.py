@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from fissura.results.pictures import BLUE, INK, ORANGE, headline, legend, tidy
@@ -50,6 +51,7 @@ def figure(rows: list[dict[str, Any]], path: Path) -> None:
         (both, "V/l³", "CoV [%]"),
     ):
         axes.set_xscale("log")
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(x)
         axes.set_ylabel(y)
         tidy(axes)
