@@ -373,7 +373,11 @@ def test_ctrl_c_and_resume(tiny_file: Path, tmp_path: Path) -> None:
         "2",
     ]
     process = subprocess.Popen(
-        [str(word) for word in command], stderr=subprocess.PIPE, text=True, start_new_session=True
+        [str(word) for word in command],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # ignored by what a shell starts aside
     )
     while len(list(folder.glob("runs/[0-9]*"))) < 3:
         assert process.poll() is None

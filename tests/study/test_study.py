@@ -246,7 +246,14 @@ def test_processes_give_the_same_results_and_can_be_interrupted(finished, tmp_pa
     _, folder, _, _ = finished
     write_study(tmp_path, REFUSED)
     start = [sys.executable, "-m", "fissura", "study", "study.toml", "--output", "out", "--workers", "2"]
-    with subprocess.Popen(start, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True) as running:
+    with subprocess.Popen(
+        start,
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # ignored by what a shell starts aside
+    ) as running:
         assert running.stderr is not None
         assert "3 runs" in running.stderr.readline()
         while not list((tmp_path / "out").rglob("*.npz")):

@@ -47,7 +47,7 @@ _SUPPORT_STIFFNESS = 1e5
 _NARROW = 60
 
 #: Share of a glued facet's rotational stiffness that contacts keep, also where one of their bodies has few of them.
-_SPIN_STIFFNESS, _SPIN_STIFFNESS_OF_FEW = 1e-6, 1e-3
+_SPIN_STIFFNESS, _SPIN_STIFFNESS_OF_FEW = 1e-6, 1e-4
 
 #: Contacts up to which they are few: bodies at corners and edges have 5 or 6, others 15.
 _FEW = 6
