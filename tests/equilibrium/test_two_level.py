@@ -8,7 +8,7 @@ from fissura.equilibrium import coarse_solver as module
 from fissura.equilibrium.assembly import pattern
 from fissura.equilibrium.block_cholesky import IncompleteCholesky
 from fissura.equilibrium.blocks import held_bodies, lower_blocks, multiply, term_sizes
-from fissura.equilibrium.clusters import bisected, connected, intact
+from fissura.equilibrium.clusters import bisected, body_weights, connected, intact
 from fissura.equilibrium.coarse import CoarseSpace
 from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.equilibrium.two_level import TwoLevel
@@ -243,6 +243,26 @@ def test_bisection_makes_groups_of_equal_size():
     extent = [np.ptp(x[groups == k], axis=0).prod() for k in range(len(sizes))]
     assert sum(extent) < 1.0  # of the unit cube: they overlap nowhere
     assert len(bisected(x[:0], 30)) == 0
+
+
+def test_bisection_by_weight():
+    rng = np.random.default_rng(2)
+    x, weight = rng.uniform(size=(1000, 3)), rng.uniform(1.0, 8.0, size=1000)
+    groups = bisected(x, 40.0, weight)
+    total = np.bincount(groups, weight)
+    assert total.max() <= 40.0
+    assert np.median(total) >= 0.6 * 40.0  # a cut may miss its share by a point, which weighs up to 8
+    assert sum(np.ptp(x[groups == k], axis=0).prod() for k in range(len(total))) < 1.0
+    heavy = bisected(x, 0.5, weight)  # no point is cut
+    assert sorted(heavy) == list(range(1000))
+
+
+def test_weights_of_bodies(sound):
+    solver = TwoLevel(sound.pattern, sound.tessellation.x)
+    weight = body_weights(solver._lower, solver._x)
+    larger = body_weights(solver._lower, 7.0 * solver._x)
+    np.testing.assert_allclose(larger, weight, rtol=1e-12)  # only ratios of sizes count
+    assert 1.0 == weight.min() < weight.max() < 3.0  # all are fine
 
 
 def test_parts_of_a_cluster():

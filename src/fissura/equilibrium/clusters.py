@@ -12,18 +12,24 @@ from scipy.sparse.csgraph import connected_components
 
 from fissura.equilibrium.blocks import LowerBlocks
 
-__all__ = ["bisected", "connected", "intact", "link_stiffness"]
+__all__ = ["bisected", "body_weights", "connected", "intact", "link_stiffness"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 AnyIntArray = NDArray[np.integer[Any]]
 
+#: Share of the bodies that are fine, at least, wherever there are fine and coarse ones.
+_FINE = 0.25
+
 
 @njit(cache=True)
-def _select(key, points, begin, end, cut):  # type: ignore[no-untyped-def]
-    """Reorder points so that those before `cut` have the smaller keys (Hoare 1961)."""
-    low, high = begin, end - 1
+def _cut(key, weight, points, begin, end, share):  # type: ignore[no-untyped-def]
+    """Reorder points so that those before the returned place have the smaller keys, and `share` of the weight or less.
+
+    Selection by halves (Hoare 1961). Neither side is empty.
+    """
+    low, high, before = begin, end - 1, 0.0
     while low < high:
         pivot = key[points[(low + high) // 2]]
         i, j = low, high
@@ -36,16 +42,26 @@ def _select(key, points, begin, end, cut):  # type: ignore[no-untyped-def]
                 points[i], points[j] = points[j], points[i]
                 i += 1
                 j -= 1
-        if cut <= j:
+        left = middle = 0.0
+        for k in range(low, j + 1):
+            left += weight[points[k]]
+        for k in range(j + 1, i):
+            middle += weight[points[k]]
+        if before + left >= share:
             high = j
-        elif cut >= i:
-            low = i
+        elif before + left + middle < share:
+            low, before = i, before + left + middle
         else:
-            return
+            low, high, before = j + 1, i - 1, before + left
+            break
+    while low <= high and before + weight[points[low]] <= share * (1.0 + 1e-12):
+        before += weight[points[low]]
+        low += 1
+    return min(max(low, begin + 1), end - 1)
 
 
 @njit(cache=True)
-def _bisected(x, size, label):  # type: ignore[no-untyped-def]
+def _bisected(x, weight, most, label):  # type: ignore[no-untyped-def]
     n = len(x)
     points = np.arange(n)
     columns = np.ascontiguousarray(x.T)
@@ -53,8 +69,11 @@ def _bisected(x, size, label):  # type: ignore[no-untyped-def]
     number = 0
     while len(todo) > 0:
         begin, end = todo.pop()
-        parts = -(-(end - begin) // size)
-        if parts <= 1:
+        total = 0.0
+        for k in range(begin, end):
+            total += weight[points[k]]
+        parts = int(np.ceil(total / most * (1.0 - 1e-12)))
+        if parts <= 1 or end - begin <= 1:
             for k in range(begin, end):
                 label[points[k]] = number
             number += 1
@@ -67,24 +86,23 @@ def _bisected(x, size, label):  # type: ignore[no-untyped-def]
                 low, high = min(low, value), max(high, value)
             if high - low > longest:
                 along, longest = a, high - low
-        cut = begin + (end - begin) * (parts // 2) // parts
-        _select(columns[along], points, begin, end, cut)
+        cut = _cut(columns[along], weight, points, begin, end, total * (parts // 2) / parts)
         todo.append((cut, end))
         todo.append((begin, cut))
     return number
 
 
-def bisected(x: FloatArray, size: int) -> IntArray:
+def bisected(x: FloatArray, most: float, weight: FloatArray | None = None) -> IntArray:
     """Groups of neighbouring points by recursive bisection across their longest extent.
-
-    Counting points instead of measuring distances gives graded discretizations equal groups.
 
     Parameters
     ----------
     x : (n, 3) array
         Points.
-    size : int
-        Points in the largest group.
+    most : float
+        Weight of the largest group, as long as no single point weighs more.
+    weight : (n,) array, optional
+        Weight of each point, 1 by default.
 
     Returns
     -------
@@ -93,8 +111,46 @@ def bisected(x: FloatArray, size: int) -> IntArray:
     """
     label = np.empty(len(x), dtype=np.int64)
     if len(x):
-        _bisected(np.ascontiguousarray(x), size, label)
+        weight = np.ones(len(x)) if weight is None else np.ascontiguousarray(weight, dtype=np.float64)
+        _bisected(np.ascontiguousarray(x), weight, float(most), label)
     return label
+
+
+@njit(cache=True)
+def _reach(indptr, indices, x):  # type: ignore[no-untyped-def]
+    """Mean distance of each point from those that it touches; zero where it touches none."""
+    n = len(x)
+    out, count = np.zeros(n), np.zeros(n)
+    for i in range(n):
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if j != i:
+                d = np.sqrt((x[i, 0] - x[j, 0]) ** 2 + (x[i, 1] - x[j, 1]) ** 2 + (x[i, 2] - x[j, 2]) ** 2)
+                out[i] += d
+                out[j] += d
+                count[i] += 1.0
+                count[j] += 1.0
+    for i in range(n):
+        out[i] /= max(count[i], 1.0)
+    return out
+
+
+def body_weights(form: LowerBlocks, x: FloatArray) -> FloatArray:
+    """Weights of bodies for bisection: the square root of their volume, 1 for the fine ones; (n,).
+
+    Clusters of equal numbers of bodies would be very large where bodies are coarse, and slow to come to rest; clusters
+    of equal volume would be single bodies there, and very many.
+
+    Parameters
+    ----------
+    form : LowerBlocks
+        Which bodies touch.
+    x : (n, 3) array
+        Nuclei in the order of `form` [m].
+    """
+    reach = _reach(form.indptr, form.indices, x)
+    fine = float(np.quantile(reach, _FINE)) if len(reach) else 0.0
+    return np.maximum(reach / fine, 1.0) ** 1.5 if fine > 0.0 else np.ones(len(x))
 
 
 @njit(cache=True)

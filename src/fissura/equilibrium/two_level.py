@@ -21,7 +21,7 @@ from fissura.equilibrium.blocks import (
     multiply,
     term_sizes,
 )
-from fissura.equilibrium.clusters import bisected, connected, intact, link_stiffness
+from fissura.equilibrium.clusters import bisected, body_weights, connected, intact, link_stiffness
 from fissura.equilibrium.coarse import CoarseSpace
 from fissura.equilibrium.coarse_solver import CoarseSolver
 from fissura.equilibrium.domains import dissected_order
@@ -35,7 +35,7 @@ __all__ = ["TwoLevel"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Bodies in the largest cluster: with more of them iterations grow, with fewer the coarse matrix.
+#: Fine bodies in the largest cluster: with more of them iterations grow, with fewer the coarse matrix.
 _CLUSTER = 50
 
 #: Share of its stiffness that a contact must keep to hold a cluster together.
@@ -111,7 +111,7 @@ class TwoLevel:
         order = self._lower.order
         self._smoother = IncompleteCholesky(self._lower, team)
         self._x: FloatArray = np.ascontiguousarray(x[order])
-        self._group: IntArray = bisected(self._x, _CLUSTER)
+        self._group: IntArray = bisected(self._x, _CLUSTER, body_weights(self._lower, self._x))
         # A cluster of which only some bodies are held could not move, and would leave the others to the smoother.
         self._group[held[order]] += len(x)
         place = np.empty(len(x), dtype=np.int64)
