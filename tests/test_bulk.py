@@ -188,6 +188,8 @@ def test_inverse_on_the_command_line(parts):
         (("--alpha", "nan"), "--alpha: nan is out of range"),
         (("--sizes", "3.9"), "--sizes: 3.9 is out of range"),
         (("--sizes", "4,100"), "--sizes: 100 is out of range"),
+        (("--inverse", "E=38GPa", "nu=0.2", "--alpha", "0.3"), "--alpha: has no effect together with --inverse"),
+        (("case.toml", "--seeds", "2"), "--seeds: has no effect together with a case"),
         (("--E", "x"), '--E: "x" is not a number with a unit'),
     ],
 )

@@ -20,6 +20,7 @@ __all__ = [
     "NOT_WRITTEN",
     "STOPPED",
     "Warnings",
+    "check_ending",
     "errors",
     "file_names",
     "not_written",
@@ -29,6 +30,9 @@ __all__ = [
     "warnings",
     "writing",
 ]
+
+#: Pictures that can be written.
+_PICTURES = "a name that ends in .png, .pdf or .svg"
 
 #: Exit status of a command that did not do what it was asked for.
 BAD_INPUT, STOPPED, NOT_WRITTEN, INTERRUPTED = 2, 3, 4, 130
@@ -103,7 +107,19 @@ def writing(picture: Path, option: str) -> Iterator[None]:
     except ValueError as error:  # matplotlib does not know the file's type
         if isinstance(error, FissuraError):
             raise
-        raise InputError(option, f"{picture}: {error}", "a name that ends in .png, .pdf or .svg") from None
+        raise InputError(option, f"{picture}: {error}", _PICTURES) from None
+
+
+def check_ending(picture: Path, option: str) -> None:
+    """Refuse a picture whose name has no ending, to which one would be added unasked.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    if not picture.suffix:
+        raise InputError(option, f"{picture}: no ending", _PICTURES)
 
 
 class Warnings(logging.Handler):

@@ -18,7 +18,20 @@ __all__ = ["elastic"]
 ALPHA = "0.05,0.1,0.2,0.29,0.4,0.5,0.7,1"
 
 
+#: Options that say what to compute, and where to write it.
+STUDY = {
+    "alpha": "--alpha",
+    "sizes": "--sizes",
+    "seeds": "--seeds",
+    "aspect": "--aspect",
+    "modulus": "--E",
+    "output": "--output",
+    "overwrite": "--overwrite",
+}
+
+
 def elastic(
+    context: typer.Context,
     case: Annotated[
         Path | None, typer.Argument(metavar="[CASE]", help="Print the constants of this case.", show_default=False)
     ] = None,
@@ -40,6 +53,8 @@ def elastic(
     with errors():
         from fissura.elasticity import request
 
+        if case is not None or inverse is not None:
+            _check_nothing_to_compute(context, "a case" if inverse is None else "--inverse")
         if inverse is not None:
             if case is not None:
                 raise InputError("--inverse", "is given together with a case", "one of both")
@@ -53,6 +68,14 @@ def elastic(
             wanted = request.parse_numbers(alpha, "--alpha", 0.0, 1.0, above=True)
             widths = request.parse_numbers(sizes, "--sizes", request.SMALLEST, request.LARGEST)
             _study(wanted, widths, seeds, aspect, E, output, overwrite)
+
+
+def _check_nothing_to_compute(context: typer.Context, given: str) -> None:
+    """Refuse options of what is computed where nothing is."""
+    for name, option in STUDY.items():
+        source = context.get_parameter_source(name)
+        if source is not None and source.name != "DEFAULT":
+            raise InputError(option, f"has no effect together with {given}, for which nothing is computed", "either")
 
 
 def _study(

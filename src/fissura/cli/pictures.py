@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fissura.cli.console import errors, print_table, writing
+from fissura.cli.console import check_ending, errors, print_table, writing
 
 __all__ = ["animate", "compare", "moments"]
 
@@ -32,6 +32,7 @@ def compare(
         comparison = compare_folders(a, b)
         print_table(comparison.table(), title=f"{a} against {b}")
         picture = plot if plot is not None else a / "compare.png"
+        check_ending(picture, "--plot")
         with writing(picture, "--plot"):
             comparison.plot(picture)
         typer.echo(f"picture: {picture}")
@@ -54,6 +55,7 @@ def moments(
         from fissura.results.moments import plot_moments
 
         path = output if output is not None else folder / "moments.png"
+        check_ending(path, "--output")
         with writing(path, "--output"):
             plot_moments(folder, path, stress=stress)
         typer.echo(f"picture: {path}")
