@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import resource
 import subprocess
 import sys
 import time
@@ -22,6 +21,7 @@ from typing import Any
 
 from common import ROOT, Check, Report, main, options, say, table
 from fissura import RunStopped, Simulation, load_case
+from fissura.results.summary import peak_memory
 
 #: Processor seconds of the OAS code for the beam of 350 mm on a machine of this kind, full and adaptive (least).
 PEER = {True: 330.0, False: 25.0}
@@ -73,7 +73,7 @@ def child(name: str, full: bool, steps: int, changes: dict[str, dict[str, Any]])
         "cpu_s": time.process_time() - cpu,
         "cpu_start_s": start,
         "wall_s": time.perf_counter() - wall,
-        "memory_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3,
+        "memory_MB": peak_memory() / 1e6,
         **{f"{key}_per_step": value / len(rows) for key, value in total.items()},
     }
 

@@ -1,10 +1,13 @@
 import json
+import subprocess
+import sys
 
+import numpy as np
 import pytest
 
 from fissura.errors import InputError
 from fissura.results.curve import columns, row
-from fissura.results.summary import build_summary, read_summary, write_atomically, write_summary
+from fissura.results.summary import build_summary, peak_memory, read_summary, write_atomically, write_summary
 
 from .synthetic import simulation, snapping, step, steps
 
@@ -117,3 +120,12 @@ def test_atomic_writing_leaves_no_other_file(tmp_path):
         write_atomically(tmp_path / "file", data)
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
     assert (tmp_path / "file").read_bytes() == b"new"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is inherited")
+def test_memory_is_that_of_the_process_alone():
+    code = "from fissura.results.summary import peak_memory; print(peak_memory())"
+    ballast = np.ones(40_000_000)  # 320 MB in this process
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ballast.nbytes <= peak_memory()
+    assert 1e6 < float(done.stdout) < ballast.nbytes
