@@ -95,6 +95,26 @@ def test_one_curve_that_turns_back_is_enough():
         assert c.max_load_difference == c.peak_difference == 0
 
 
+def test_steps_of_other_lengths_before_the_gauge_turns_back_are_no_difference():
+    """One straight line of loads over gauges; over energy, which grows ever faster along it, it is not straight."""
+    path = {
+        "gauges": [1.0e-5, 1.1e-5, 2e-5, 3e-5, 2.5e-5, 2e-5],
+        "loads": [100.0, 110.0, 200.0, 300.0, 200.0, 60.0],
+        "energies": [0.0, 1e-6, 1e-4, 1e-3, 2e-3, 4e-3],
+    }
+    long = {key: values[:2] + values[3:] for key, values in path.items()}
+    for a, b in ((path, long), (long, path)):
+        c = compare_results(turning(**a), turning(**b))
+        assert c.over == "dissipated energy"
+        assert c.max_load_difference == pytest.approx(0.0, abs=1e-12)
+        assert np.all(np.diff(c.abscissa) > 0)
+        assert c.abscissa[[0, -1]] == pytest.approx([1e-6, 4e-3])
+    # A load that is wrong there is found, at the energy of B.
+    wrong = compare_results(turning(**{**path, "loads": [100.0, 110.0, 230.0, 300.0, 200.0, 60.0]}), turning(**path))
+    assert wrong.max_load_difference == pytest.approx(0.1)
+    assert wrong.at_max_difference == pytest.approx(1e-4)
+
+
 def test_energies_are_compared_up_to_the_common_end_and_told_at_the_ends():
     c = compare_results(turning(keep=5), turning())
     assert c.abscissa[-1] == pytest.approx(4e-3)

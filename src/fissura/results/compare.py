@@ -38,7 +38,9 @@ class Comparison:
         Values of that of both runs together, up to the smaller of their ends [m or J]: gauges from 0 on, energies
         from the first step on at which both have dissipated any.
     load_a, load_b : (k,) array
-        Loads there, interpolated linearly, over the gauge from ``(0, 0)`` on [N].
+        Loads there, interpolated linearly, over the gauge from ``(0, 0)`` on [N]. Over energy, loads until either gauge
+        first turns back are those at the same gauge, and the abscissa has the energy of B at it: where damage begins
+        the load over energy is so steep that steps of other lengths would count as a difference of the runs.
     max_load_difference : float
         Largest absolute load difference over ``abscissa``, over the peak of B.
     at_max_difference : float
@@ -151,8 +153,11 @@ def compare_results(a: Result, b: Result) -> Comparison:
     if start >= end:
         raise InputError(_key(a), f"has dissipated no energy in common with {_key(b)}", "runs that go on for longer")
     x = np.union1d(x_a, x_b)
-    x = x[(x >= start) & (x <= end)]
     load_a, load_b = np.interp(x, x_a, of_a[0]), np.interp(x, x_b, of_b[0])
+    if not by_gauge:
+        x, load_a, load_b = _by_gauge_before_turning(path_a, path_b, x, load_a, load_b)
+    common = (x >= start) & (x <= end)
+    x, load_a, load_b = x[common], load_a[common], load_b[common]
     (peak_a, gauge_a), (peak_b, gauge_b) = _peak(x_a, of_a, end), _peak(x_b, of_b, end)
     worst = np.abs(load_a - load_b).argmax()
     ends = [np.interp(end, x, of[2]) if by_gauge else of[2][-1] for x, of in ((x_a, of_a), (x_b, of_b))]
@@ -172,6 +177,23 @@ def compare_results(a: Result, b: Result) -> Comparison:
         energy_difference=_difference(*ends),
         stiffness_difference=_difference(a.initial_stiffness, b.initial_stiffness),
         cpu_ratio=_fraction(b.curve["cpu_s"][-1], a.curve["cpu_s"][-1]),
+    )
+
+
+def _by_gauge_before_turning(
+    a: LoadPath, b: LoadPath, x: FloatArray, load_a: FloatArray, load_b: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Energies, and loads of A and B at them, with loads at the same gauge until that of either run turns back."""
+    (gauge_a, of_a), (gauge_b, of_b) = a.until_turning(), b.until_turning()
+    turn = min(gauge_a[-1], gauge_b[-1])
+    gauge = np.union1d(gauge_a, gauge_b)
+    gauge = gauge[gauge <= turn]
+    energy = np.maximum.accumulate(np.interp(gauge, gauge_b, of_b[1]))
+    after = x > max(energy[-1], np.interp(turn, gauge_a, of_a[1]))
+    return (
+        np.append(energy, x[after]),
+        np.append(np.interp(gauge, gauge_a, of_a[0]), load_a[after]),
+        np.append(np.interp(gauge, gauge_b, of_b[0]), load_b[after]),
     )
 
 

@@ -62,6 +62,11 @@ class LoadPath:
         """Gauges, and loads, gauges and energies at them, shape (3, k)."""
         return self.gauge, np.stack([self.load, self.gauge, self.energy])
 
+    def until_turning(self) -> tuple[FloatArray, FloatArray]:
+        """Gauges as long as they grow, and loads and energies at them, shape (2, k)."""
+        end = int(np.argmax(np.append(np.diff(self.gauge) <= 0, True))) + 1
+        return self.gauge[:end], np.stack([self.load, self.energy])[:, :end]
+
     def over_energy(self) -> tuple[FloatArray, FloatArray]:
         """Energies, and the same at them, from the last step on that dissipated nothing.
 
