@@ -1,5 +1,8 @@
 """Solution of steps; a bar of two bodies with one contact follows the contact law exactly."""
 
+import itertools
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -172,3 +175,24 @@ def test_elastic_bodies_around_a_fine_zone():
     assert len(state.response.history) == len(system.active)
     elastic = (system.moduli * state.response.strain)[system.passive]
     np.testing.assert_allclose(state.response.traction[system.passive], elastic, rtol=1e-12)
+
+
+@pytest.mark.parametrize("high", [0.01, 0.12, 5.0])  # 1.25, 15 and 600 times as large
+def test_an_iteration_that_alternates_between_two_states_is_left(monkeypatch, high):
+    """Whatever the ratio of both residuals: a contact at a kink of its law may be undone by every other correction."""
+    sizes = itertools.cycle([high, 0.008])
+    monkeypatch.setattr(StepSolver, "_newton", lambda self, trial: SimpleNamespace(size=next(sizes)))
+    monkeypatch.setattr(StepSolver, "_converged", lambda self, trial: False)
+    solver = StepSolver(1e-4, 30)
+    solver._left = 30
+    solver._newton_phase(SimpleNamespace(size=0.008))
+    assert solver._left >= 26
+
+
+def test_a_leap_that_is_made_up_for_at_once_is_gone_on_with(monkeypatch):
+    sizes = iter([6.0, 0.45, 0.01, 1e-3, 1e-5])  # 0.45 is hardly below 0.5, but made up for the leap
+    monkeypatch.setattr(StepSolver, "_newton", lambda self, trial: SimpleNamespace(size=next(sizes)))
+    monkeypatch.setattr(StepSolver, "_converged", lambda self, trial: trial.size <= 1e-5)
+    solver = StepSolver(1e-4, 30)
+    solver._left = 30
+    assert solver._newton_phase(SimpleNamespace(size=0.5)).size == 1e-5

@@ -237,7 +237,10 @@ class StepSolver:
             except SingularMatrixError as error:
                 _log.debug("Newton: %s", error)
                 return trial
-            stalls = stalls + 1 if following.size > max(0.7 * least, 0.1 * trial.size) else 0
+            if following.size <= 0.7 * least:
+                stalls = 0
+            elif following.size > 0.1 * trial.size:  # a leap that is made up for at once is one stall, not two
+                stalls += 1
             least = min(least, following.size)
             if not np.isfinite(following.size) or (following.size > 10.0 * trial.size and stalls > 1):
                 return trial
