@@ -31,7 +31,7 @@ _SMALL = 0.02
 
 def gauge_compliance(system: System) -> float:
     """Controlled quantity per unit load of the undamaged structure [m/N]."""
-    system.symmetric.factor(system.secant(system.virgin()))
+    system.factor_secant(system.virgin())
     return float(system.control @ system.symmetric.solve(system.load, _TOLERANCE))
 
 
@@ -60,7 +60,7 @@ def calibrated(system: System, target: float, start: float = 1.0) -> System:
     for _ in range(4):
         if not len(system.coarse):
             break
-        system.symmetric.factor(system.secant(system.virgin()))
+        system.factor_secant(system.virgin())
         solutions = system.symmetric.solve(np.stack([system.load, system.control], axis=1), _TOLERANCE)
         compliance = float(system.control @ solutions[:, 0])
         if abs(compliance / target - 1.0) < _ACCURACY:

@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 
 from fissura.contact import contact_strains, kinematics_of, nodal_forces
 from fissura.elasticity.stiffness import unit_strains
-from fissura.equilibrium.assembly import assemble, pattern
+from fissura.equilibrium.assembly import pattern
 from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.tessellation.periodic import PeriodicCell
 
@@ -53,8 +53,7 @@ class Homogenisation:
     def _solve(self, alpha: float, elastic: FloatArray) -> FloatArray:
         """Total contact strains under the affine strains `elastic`; both (k, m, 3)."""
         moduli = np.array([1.0, alpha, alpha])
-        stiffness = np.tile(np.diag(moduli), (len(self.geometry), 1, 1))
-        self._solver.factor(assemble(self.geometry, self._pattern, stiffness))
+        self._solver.factor_contacts(self.geometry, np.tile(moduli, (len(self.geometry), 1)))
         forces = np.stack([nodal_forces(self.geometry, moduli * e).ravel() for e in elastic], axis=1)
         found = self._solver.solve(-forces)
         w = [np.ascontiguousarray(column).reshape(-1, 6) for column in found.T]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -12,7 +13,7 @@ from scipy.sparse import csr_array
 from fissura.contact import Kinematics
 from fissura.equilibrium.low_rank import LowRank
 
-__all__ = ["Pattern", "add_spin", "assemble", "pattern"]
+__all__ = ["Pattern", "add_spin", "assemble", "assemble_secant", "pattern"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -23,12 +24,11 @@ class Pattern:
     """Compressed rows of the stiffness matrix, fixed for one discretization.
 
     The six rows of body ``b`` follow each other; each holds the same blocks of six columns, so that entry ``(a, d)`` of
-    block ``k`` lies at ``start[b] + a * stride[b] + 6 k + d``.
+    block ``k`` lies at ``start[b] + a * stride[b] + 6 k + d``. Compressed sparse rows are made when they are asked for:
+    iterative solution needs none.
 
     Attributes
     ----------
-    indptr, indices : (6 n + 1,), (z,) arrays
-        Compressed sparse rows.
     start, stride : (n,) arrays
         Place of each body's first row, and length of its rows.
     neighbours : (z / 36,) array
@@ -49,8 +49,6 @@ class Pattern:
         Part of the matrix that has no entries here, since it couples too many bodies.
     """
 
-    indptr: NDArray[np.int32]
-    indices: NDArray[np.int32]
     start: IntArray
     stride: IntArray
     neighbours: NDArray[np.int32]
@@ -64,7 +62,28 @@ class Pattern:
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return len(self.indptr) - 1
+        return 6 * len(self.start)
+
+    @property
+    def entries(self) -> int:
+        """Number of entries."""
+        return 36 * len(self.neighbours)
+
+    @cached_property
+    def _rows(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        indptr, indices = np.empty(self.size + 1, dtype=np.int32), np.empty(self.entries, dtype=np.int32)
+        _expanded(np.append(self.start // 36, len(self.neighbours)), self.neighbours, indptr, indices)
+        return indptr, indices
+
+    @property
+    def indptr(self) -> NDArray[np.int32]:
+        """First entry of each row of the matrix; (6 n + 1,)."""
+        return self._rows[0]
+
+    @property
+    def indices(self) -> NDArray[np.int32]:
+        """Column of each entry; (z,)."""
+        return self._rows[1]
 
     def matrix(self, data: FloatArray) -> csr_array:
         """The matrix with the given entries, as scipy knows it, without its part `wide`."""
@@ -163,15 +182,11 @@ def pattern(
     first = np.concatenate([[0], np.cumsum(end - begin[:-1])])
     if first[-1] < len(room):
         room = room[np.arange(first[-1]) + np.repeat(begin[:-1] - first[:-1], np.diff(first))]
-    indptr, indices = np.empty(6 * n + 1, dtype=np.int32), np.empty(36 * len(room), dtype=np.int32)
-    _expanded(first, room, indptr, indices)
     start, stride = 36 * first[:-1], 6 * np.diff(first)
     r, c = extra.row.astype(np.int64), extra.col.astype(np.int64)
     entry = start[r // 6] + (r % 6) * stride[r // 6] + _offsets(first, room, r // 6, c // 6) + c % 6
     fixed, where = np.unique(entry, return_inverse=True)
     return Pattern(
-        indptr,
-        indices,
         start,
         stride,
         room,
@@ -226,7 +241,7 @@ def assemble(geometry: Kinematics, form: Pattern, tangent: FloatArray) -> FloatA
     tangent : (m, 3, 3) array
         Stiffness ``ds/de`` of every contact [Pa].
     """
-    data = np.zeros(len(form.indices))
+    data = np.zeros(form.entries)
     _assemble(
         geometry.rows,
         geometry.volume,
@@ -242,6 +257,13 @@ def assemble(geometry: Kinematics, form: Pattern, tangent: FloatArray) -> FloatA
     )
     data[form.fixed] += form.fixed_values
     return data
+
+
+def assemble_secant(geometry: Kinematics, form: Pattern, moduli: FloatArray) -> FloatArray:
+    """Entries as of :func:`assemble` for contacts whose strain components are not coupled; moduli (m, 3) [Pa]."""
+    tangent = np.zeros((len(moduli), 3, 3))
+    tangent[:, range(3), range(3)] = moduli
+    return assemble(geometry, form, tangent)
 
 
 @njit(cache=True)

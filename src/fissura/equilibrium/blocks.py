@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -74,6 +74,10 @@ class LowerBlocks:
     def rows(self) -> IntArray:
         """Place of each block's row, shape (k,)."""
         return np.repeat(np.arange(len(self.order)), np.diff(self.indptr))
+
+    def packed(self) -> LowerBlocks:
+        """The same blocks where nothing else is stored, one after the other."""
+        return replace(self, start=36 * np.arange(len(self.indices)), stride=np.full(len(self.order), 6))
 
     def entries(self, blocks: IntArray, size: int) -> IntArray:
         """Where the leading `size` rows and columns of some blocks lie among the entries of the pattern; (q, s, s)."""

@@ -91,7 +91,7 @@ class PreparedSecant:
         intact = 1.0 - history[:, 0]
         if self.ready and np.array_equal(intact, self.intact):
             return
-        self._solver.factor(self._system.secant(history))
+        self._system.factor_secant(history)
         self._matrix = self._solver.matrices
         self.count += 1
         self.intact, self._exact = intact, False

@@ -8,7 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.equilibrium.assembly import Pattern
+from fissura.contact import Kinematics
+from fissura.equilibrium.assembly import Pattern, assemble_secant
 from fissura.equilibrium.direct import best_solver
 from fissura.equilibrium.linear import LinearSolver, SingularMatrixError
 from fissura.equilibrium.team import ALONE, Team
@@ -72,7 +73,7 @@ class SymmetricSolver:
         self._chosen = LINEAR_SOLVERS[linear](form, x, _TOLERANCE, team)
         self._direct: LinearSolver | None = self._chosen if linear == "direct" else None
         self._current: LinearSolver = self._chosen
-        self._data: FloatArray = np.empty(0)
+        self._entries: Callable[[], FloatArray]
         self.matrices = 0
 
     @property
@@ -89,12 +90,35 @@ class SymmetricSolver:
         SingularMatrixError
             The matrix is not positive definite.
         """
-        self._data, self._current = data, self._chosen
-        self.matrices += 1
+        self._begin(lambda: data)
         try:
             self._chosen.factor(data, symmetric=True)
         except SingularMatrixError as error:
             self._take_over(error)
+
+    def factor_contacts(self, geometry: Kinematics, moduli: FloatArray) -> None:
+        """Prepare for the matrix of contacts with these moduli [Pa], shape (m, 3), and the constant part.
+
+        The two-level solver needs much less memory than with entries of the whole matrix, and less time.
+
+        Raises
+        ------
+        SingularMatrixError
+            The matrix is not positive definite.
+        """
+        if not isinstance(self._chosen, TwoLevel):
+            self.factor(assemble_secant(geometry, self._form, moduli))
+            return
+        self._begin(lambda: assemble_secant(geometry, self._form, moduli))
+        try:
+            self._chosen.factor_contacts(geometry, moduli)
+        except SingularMatrixError as error:
+            self._take_over(error)
+
+    def _begin(self, entries: Callable[[], FloatArray]) -> None:
+        """Another matrix; its entries are asked for where a solver needs them."""
+        self._entries, self._current = entries, self._chosen
+        self.matrices += 1
 
     def _take_over(self, error: SingularMatrixError) -> None:
         """Let the direct solver take over for the current matrix."""
@@ -104,7 +128,7 @@ class SymmetricSolver:
         if self._direct is None:
             self._direct = LINEAR_SOLVERS["direct"](self._form, self._x, _TOLERANCE, self._team)
         self._current = self._direct
-        self._direct.factor(self._data, symmetric=True)
+        self._direct.factor(self._entries(), symmetric=True)
 
     def solve(self, right: FloatArray, tolerance: float | None = None) -> FloatArray:
         """Solve for one or more right-hand sides; (6 n,) or (6 n, k).
@@ -132,4 +156,4 @@ class SymmetricSolver:
             return found, right
         if isinstance(self._current, TwoLevel):
             return found, self._current.product(found)
-        return found, self._form.product(self._data, found)
+        return found, self._form.product(self._entries(), found)

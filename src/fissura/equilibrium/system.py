@@ -20,7 +20,7 @@ from fissura.contact import (
     kinematics,
     nodal_forces,
 )
-from fissura.equilibrium.assembly import Pattern, add_spin, assemble, pattern
+from fissura.equilibrium.assembly import Pattern, add_spin, assemble, assemble_secant, pattern
 from fissura.equilibrium.attach import attach, attach_rows, owners
 from fissura.equilibrium.krylov import dot
 from fissura.equilibrium.low_rank import LowRank
@@ -254,11 +254,16 @@ class System:
         flat: FloatArray = forces.ravel() + self.constant @ u
         return flat
 
+    def secant_moduli(self, history: FloatArray) -> FloatArray:
+        """Secant stiffness ``(1 - D) (E, alpha E, alpha E)`` of every contact [Pa], shape (m, 3)."""
+        moduli = self.moduli.copy()
+        moduli[self.active] *= 1.0 - history[:, :1]
+        return moduli
+
     def secant_stiffness(self, history: FloatArray) -> FloatArray:
-        """Secant stiffness ``(1 - D) diag(E, alpha E, alpha E)`` of every contact [Pa], shape (m, 3, 3)."""
+        """The same as a matrix ``ds/de`` of every contact [Pa], shape (m, 3, 3)."""
         stiffness = np.zeros((len(self.geometry), 3, 3))
-        stiffness[:, range(3), range(3)] = self.moduli
-        stiffness[self.active[:, None], range(3), range(3)] *= 1.0 - history[:, :1]
+        stiffness[:, range(3), range(3)] = self.secant_moduli(history)
         return stiffness
 
     def tangent(self, response: Response, history: FloatArray) -> FloatArray:
@@ -269,7 +274,17 @@ class System:
 
     def secant(self, history: FloatArray) -> FloatArray:
         """Entries of the secant stiffness for given damage; symmetric and positive definite."""
-        return assemble(self.geometry, self.pattern, self.secant_stiffness(history))
+        return assemble_secant(self.geometry, self.pattern, self.secant_moduli(history))
+
+    def factor_secant(self, history: FloatArray) -> None:
+        """Prepare `symmetric` for the secant stiffness with given damage.
+
+        Raises
+        ------
+        SingularMatrixError
+            The structure is a mechanism.
+        """
+        self.symmetric.factor_contacts(self.geometry, self.secant_moduli(history))
 
     def changed(self, tangent: FloatArray, intact: FloatArray) -> tuple[IntArray, FloatArray]:
         """Contacts whose tangent stiffness differs from a secant stiffness.

@@ -8,9 +8,12 @@ in the matrix and in the coarse space exactly; only the incomplete factor leaves
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.contact import Kinematics
 from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.block_cholesky import IncompleteCholesky
 from fissura.equilibrium.blocks import (
@@ -27,6 +30,7 @@ from fissura.equilibrium.coarse_solver import CoarseSolver
 from fissura.equilibrium.domains import dissected_order
 from fissura.equilibrium.linear import SingularMatrixError
 from fissura.equilibrium.low_rank import LowRank
+from fissura.equilibrium.lower_assembly import assemble_lower
 from fissura.equilibrium.team import ALONE, Team
 from fissura.equilibrium.vectors import advance, dot, turn
 
@@ -127,18 +131,18 @@ class TwoLevel:
         self._ends = (self._lower.rows[below].astype(np.int32), self._lower.indices[below])
         # The stiffness of a support between bodies that it holds says nothing about their contact.
         self._held_links: IntArray = np.flatnonzero(narrow[self._ends[0]] & narrow[self._ends[1]])
-        self._held_entries: IntArray = self._lower.entries(below[self._held_links], 3)
-        self._held_constant: FloatArray = constant_part(form, self._held_entries)
-        self._reference = None if reference is None else self._stiffness(reference)
+        self._held_blocks: IntArray = below[self._held_links]
+        self._held_constant: FloatArray = constant_part(form, self._lower.entries(self._held_blocks, 3))
+        self._reference = None if reference is None else self._stiffness(self._lower.gather(reference))
         self._blocks: FloatArray | None = None
         self._storage: FloatArray | None = None
         self._coarse: CoarseSpace
         self._solver = CoarseSolver()
 
-    def _stiffness(self, data: FloatArray) -> FloatArray:
+    def _stiffness(self, blocks: FloatArray) -> FloatArray:
         """Size of the contacts' stiffness against translation, without supports [N/m]."""
-        out = link_stiffness(self._lower, data)
-        own = data[self._held_entries] - self._held_constant
+        out = link_stiffness(self._lower.packed(), blocks.ravel())
+        own = blocks[self._held_blocks, :3, :3] - self._held_constant
         out[self._held_links] = np.sqrt(np.einsum("kad,kad->k", own, own))
         return out
 
@@ -166,14 +170,28 @@ class TwoLevel:
         """
         if not symmetric:
             raise ValueError("conjugate gradients solve symmetric matrices only")
+        self._prepare(lambda out: self._lower.gather(data, out, self._team))
+
+    def factor_contacts(self, geometry: Kinematics, moduli: FloatArray) -> None:
+        """Prepare the preconditioner for contacts with these moduli [Pa], (m, 3), and the constant part.
+
+        Raises
+        ------
+        SingularMatrixError
+            As `factor`.
+        """
+        self._prepare(lambda out: assemble_lower(geometry, self.form, self._lower, moduli, out, self._team))
+
+    def _prepare(self, fill: Callable[[FloatArray | None], FloatArray]) -> None:
+        """Prepare for the matrix of which a function gives the lower blocks, in the storage that is there."""
         self.factorizations += 1
         self._blocks = None
         try:
-            self._storage = blocks = self._lower.gather(data, self._storage, self._team)
+            self._storage = blocks = fill(self._storage)
         except ValueError as error:
             raise SingularMatrixError(str(error)) from error
         row, column = self._ends
-        keep = intact(row, column, self._stiffness(data), self._reference, _INTACT)
+        keep = intact(row, column, self._stiffness(blocks), self._reference, _INTACT)
         label = connected(self._group, row[keep], column[keep])
         self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._wide, self._team)
         self.clusters = self._coarse.clusters

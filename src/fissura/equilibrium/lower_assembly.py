@@ -1,0 +1,115 @@
+"""Assembly of secant stiffness matrices as lower block triangles, without the entries of the whole matrix.
+
+These would take as much memory again as all else that an iterative solution needs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fissura.contact import Kinematics
+from fissura.equilibrium.assembly import Pattern
+from fissura.equilibrium.blocks import LowerBlocks, constant_part, held_bodies
+from fissura.equilibrium.team import ALONE, Team
+
+__all__ = ["assemble_lower"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _assemble(  # type: ignore[no-untyped-def]
+    begin, end, order, place, indptr, indices, bodies, rows, volume, first, adjacent, moduli, spin, out
+):
+    """Returns zero, or nan where an entry on the diagonal is not finite."""
+    scaled, zero = np.empty((6, 3)), 0.0
+    for i in range(begin, end):
+        body, last = order[i], indptr[i + 1] - 1
+        out[indptr[i] : last + 1] = 0.0
+        for k in range(first[body], first[body + 1]):
+            c, side = adjacent[k] // 2, adjacent[k] % 2
+            here, there = 6 * side, 6 - 6 * side
+            for a in range(3):
+                weight = volume[c] * moduli[c, a]
+                for p in range(6):
+                    scaled[p, a] = weight * rows[c, a, here + p]
+            for p in range(6):
+                for q in range(p + 1):
+                    s = 0.0
+                    for a in range(3):
+                        s += scaled[p, a] * rows[c, a, here + q]
+                    out[last, p, q] += s
+            for p in range(3, 6):
+                out[last, p, p] += spin[c]
+            j = place[bodies[c, 1 - side]]
+            if j > i:
+                continue
+            m = indptr[i]
+            while indices[m] != j:
+                m += 1
+            for p in range(6):
+                for q in range(6):
+                    s = 0.0
+                    for a in range(3):
+                        s += scaled[p, a] * rows[c, a, there + q]
+                    out[m, p, q] += s
+            for p in range(3, 6):
+                out[m, p, p] -= spin[c]
+        for p in range(6):
+            zero += 0.0 * out[last, p, p]
+            for q in range(p):
+                out[last, q, p] = out[last, p, q]
+    return zero
+
+
+def _add_constant(form: Pattern, lower: LowerBlocks, out: FloatArray) -> None:
+    """Add the constant part, which couples held bodies only."""
+    held = held_bodies(form, wide=False)[lower.order]
+    rows = np.flatnonzero(held)
+    blocks = np.concatenate([np.arange(lower.indptr[i], lower.indptr[i + 1]) for i in rows] or [np.empty(0, np.int64)])
+    blocks = blocks[held[lower.indices[blocks]]]
+    out[blocks] += constant_part(form, lower.entries(blocks, 6))
+
+
+def assemble_lower(
+    geometry: Kinematics,
+    form: Pattern,
+    lower: LowerBlocks,
+    moduli: FloatArray,
+    out: FloatArray | None = None,
+    team: Team = ALONE,
+) -> FloatArray:
+    """Lower blocks of ``sum A L B^T diag(moduli) B`` plus the constant part; shape (k, 6, 6).
+
+    Parameters
+    ----------
+    geometry : Kinematics
+        Contacts.
+    form : Pattern
+        Their pattern.
+    lower : LowerBlocks
+        Its lower triangle for the order of bodies wanted.
+    moduli : (m, 3) array
+        Stiffness ``ds/de`` of the strain components of every contact [Pa].
+    out : (k, 6, 6) array, optional
+        Where to put them.
+    team : Team
+        Threads that share the work.
+
+    Raises
+    ------
+    ValueError
+        A modulus is not finite.
+    """
+    out = np.empty((len(lower.indices), 6, 6)) if out is None else out
+    place = np.empty(len(lower.order), dtype=np.int64)
+    place[lower.order] = np.arange(len(lower.order))
+    where = (lower.order, place, lower.indptr, lower.indices)
+    contacts = (geometry.bodies, geometry.rows, geometry.volume, geometry.first, geometry.adjacent)
+    if any(team.run(_assemble, lower.pieces, *where, *contacts, moduli, form.spin, out)):  # nan is true
+        raise ValueError("the stiffness matrix holds values that are not finite")
+    _add_constant(form, lower, out)
+    return out
