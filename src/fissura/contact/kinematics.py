@@ -54,13 +54,70 @@ class Kinematics:
         return len(self.volume)
 
 
+@njit(cache=True)
+def _cross(a, b, out):  # type: ignore[no-untyped-def]
+    out[0] = a[1] * b[2] - a[2] * b[1]
+    out[1] = a[2] * b[0] - a[0] * b[2]
+    out[2] = a[0] * b[1] - a[1] * b[0]
+
+
+@njit(cache=True)
+def _frames(normal, out):  # type: ignore[no-untyped-def]
+    axis = np.zeros(3)
+    for c in range(len(normal)):
+        n = normal[c]
+        # The axis least aligned with n never gives a vanishing cross product.
+        least = 0
+        for a in range(1, 3):
+            if abs(n[a]) < abs(n[least]):
+                least = a
+        axis[:] = 0.0
+        axis[least] = 1.0
+        frame = out[c]
+        frame[0] = n
+        _cross(n, axis, frame[1])
+        frame[1] /= np.sqrt(frame[1, 0] ** 2 + frame[1, 1] ** 2 + frame[1, 2] ** 2)
+        _cross(n, frame[1], frame[2])
+
+
+@njit(cache=True)
+def _strain_rows(frame, centroid, x_i, x_j, length, out):  # type: ignore[no-untyped-def]
+    arm, moment = np.empty(3), np.empty(3)
+    for c in range(len(frame)):
+        for side in range(2):
+            sign = -1.0 if side == 0 else 1.0
+            for d in range(3):
+                arm[d] = centroid[c, d] - (x_i[c, d] if side == 0 else x_j[c, d])
+            for a in range(3):
+                # a . (theta x r) = theta . (r x a)
+                _cross(arm, frame[c, a], moment)
+                for d in range(3):
+                    out[c, a, 6 * side + d] = sign * frame[c, a, d] / length[c]
+                    out[c, a, 6 * side + 3 + d] = sign * moment[d] / length[c]
+
+
+@njit(cache=True)
+def _contacts_of(bodies, first, adjacent):  # type: ignore[no-untyped-def]
+    """Contacts of each body: counted, then put in place; `first` begins as zeros."""
+    n = len(first) - 1
+    for c in range(len(bodies)):
+        for side in range(2):
+            first[bodies[c, side] + 1] += 1
+    for b in range(n):
+        first[b + 1] += first[b]
+    free = first[:n].copy()
+    for c in range(len(bodies)):
+        for side in range(2):
+            b = bodies[c, side]
+            adjacent[free[b]] = 2 * c + side
+            free[b] += 1
+
+
 def tangent_directions(normal: FloatArray) -> FloatArray:
     """Two unit vectors m, l that complete each normal to a right-handed frame; (m, 3) -> (m, 2, 3)."""
-    # The axis least aligned with n never gives a vanishing cross product.
-    axis = np.eye(3)[np.argmin(np.abs(normal), axis=1)]
-    m = np.cross(normal, axis)
-    m /= np.linalg.norm(m, axis=1, keepdims=True)
-    return np.stack([m, np.cross(normal, m)], axis=1)
+    out = np.empty((len(normal), 3, 3))
+    _frames(normal, out)
+    return out[:, 1:]
 
 
 def kinematics(tessellation: Tessellation) -> Kinematics:
@@ -82,17 +139,11 @@ def kinematics_of(contacts: Contacts, x_i: FloatArray, x_j: FloatArray, n: int) 
         Number of bodies.
     """
     bodies = contacts.bodies
-    frame = np.concatenate([contacts.normal[:, None, :], tangent_directions(contacts.normal)], axis=1)
-    rows = np.empty((len(contacts), 3, 12))
-    for side, sign, x in ((0, -1.0, x_i), (1, 1.0, x_j)):
-        arm = contacts.centroid - x
-        rows[:, :, 6 * side : 6 * side + 3] = sign * frame
-        # a . (theta x r) = theta . (r x a)
-        rows[:, :, 6 * side + 3 : 6 * side + 6] = sign * np.cross(arm[:, None, :], frame)
-    rows /= contacts.length[:, None, None]
-    owner = bodies.ravel()
-    adjacent = np.argsort(owner, kind="stable")
-    first = np.searchsorted(owner[adjacent], np.arange(n + 1))
+    frame, rows = np.empty((len(contacts), 3, 3)), np.empty((len(contacts), 3, 12))
+    _frames(contacts.normal, frame)
+    _strain_rows(frame, contacts.centroid, x_i, x_j, contacts.length, rows)
+    first, adjacent = np.zeros(n + 1, dtype=np.int64), np.empty(bodies.size, dtype=np.int64)
+    _contacts_of(bodies, first, adjacent)
     return Kinematics(bodies, rows, frame, contacts.area * contacts.length, first, adjacent)
 
 

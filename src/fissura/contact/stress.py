@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from fissura.tessellation import Tessellation
@@ -10,6 +11,19 @@ from fissura.tessellation import Tessellation
 __all__ = ["body_stress"]
 
 FloatArray = NDArray[np.float64]
+
+
+@njit(cache=True)
+def _contact_moments(bodies, area, centroid, x, frame, traction, out):  # type: ignore[no-untyped-def]
+    """``sum A t (x) (c - x)`` of every body."""
+    for c in range(len(bodies)):
+        i, j = bodies[c, 0], bodies[c, 1]
+        for a in range(3):
+            t = traction[c, 0] * frame[c, 0, a] + traction[c, 1] * frame[c, 1, a] + traction[c, 2] * frame[c, 2, a]
+            force = area[c] * t
+            for b in range(3):
+                out[i, a, b] += force * (centroid[c, b] - x[i, b])
+                out[j, a, b] -= force * (centroid[c, b] - x[j, b])
 
 
 def body_stress(
@@ -38,20 +52,11 @@ def body_stress(
     (n, 3, 3) array
         Symmetric stress tensors [Pa], tension positive.
     """
-    contacts = tessellation.contacts
-    force = contacts.area[:, None] * np.einsum("ca,cai->ci", traction, frame)
-    n = len(tessellation)
-    total = np.zeros((n, 9))
-    parts = [
-        (contacts.bodies[:, 0], contacts.centroid, force),
-        (contacts.bodies[:, 1], contacts.centroid, -force),
-    ]
+    contacts, x = tessellation.contacts, tessellation.x
+    total = np.zeros((len(tessellation), 3, 3))
+    _contact_moments(contacts.bodies, contacts.area, contacts.centroid, x, frame, traction, total)
     if point_body is not None and point is not None and point_force is not None:
-        parts.append((point_body, point, point_force))
-    for body, place, f in parts:
-        moment = (f[:, :, None] * (place - tessellation.x[body])[:, None, :]).reshape(-1, 9)
-        for k in range(9):
-            total[:, k] += np.bincount(body, moment[:, k], n)
-    sigma = total.reshape(n, 3, 3) / tessellation.volume[:, None, None]
+        np.add.at(total, point_body, point_force[:, :, None] * (point - x[point_body])[:, None, :])
+    sigma = total / tessellation.volume[:, None, None]
     stress: FloatArray = 0.5 * (sigma + sigma.transpose(0, 2, 1))
     return stress
