@@ -97,7 +97,7 @@ class Structure:
         if self._full or not self._case.adaptivity.calibrate:
             return system
         if self.compliance is None:
-            whole = self._discretized(replace(self._region, everywhere=True))
+            whole = self._discretized(replace(self._region, everywhere=True)).without_shapes()
             self.compliance = gauge_compliance(self._equations(whole))
         return calibrated(system, self.compliance, self.system.elastic_scale)
 

@@ -59,3 +59,13 @@ def test_stiffer_elastic_contacts_make_a_stiffer_beam(systems):
     adaptive, _ = systems
     compliance = [gauge_compliance(adaptive.scaled(scale)) for scale in (0.5, 1.0, 2.0)]
     assert compliance[0] > compliance[1] > compliance[2]
+
+
+def test_compliance_needs_no_shapes(systems):
+    _, full = systems
+    bare = full.tessellation.without_shapes()
+    assert bare.cells is None
+    assert len(bare.contacts.polygons) == len(bare.surface.polygons) == 0
+    assert len(bare.contacts) == len(full.tessellation.contacts)
+    other = System(bare, full.material, type(full.law), full.conditions)
+    assert gauge_compliance(other) == gauge_compliance(full)

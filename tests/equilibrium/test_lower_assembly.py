@@ -1,3 +1,5 @@
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -101,3 +103,17 @@ def test_direct_solver_takes_over_from_contacts(system, monkeypatch):
     direct.factor(system.secant(system.virgin()))
     expected = direct.solve(system.load)
     np.testing.assert_allclose(solver.solve(system.load), expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", ["direct", "two-level"])
+def test_nothing_is_kept_when_equations_are_dropped(name):
+    """Memory is free at once, without the collector, for what comes next."""
+    system = beam_system(linear=name)
+    system.prepared.solve(system.virgin())
+    kept = [weakref.ref(each) for each in (system, system.symmetric, system.geometry, system.tessellation)]
+    gc.disable()
+    try:
+        del system
+        assert [each() for each in kept] == [None] * len(kept)
+    finally:
+        gc.enable()

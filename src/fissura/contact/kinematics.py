@@ -82,18 +82,16 @@ def _frames(normal, out):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _strain_rows(frame, centroid, x_i, x_j, length, out):  # type: ignore[no-untyped-def]
-    arm, moment = np.empty(3), np.empty(3)
     for c in range(len(frame)):
-        for side in range(2):
-            sign = -1.0 if side == 0 else 1.0
-            for d in range(3):
-                arm[d] = centroid[c, d] - (x_i[c, d] if side == 0 else x_j[c, d])
-            for a in range(3):
-                # a . (theta x r) = theta . (r x a)
-                _cross(arm, frame[c, a], moment)
-                for d in range(3):
-                    out[c, a, 6 * side + d] = sign * frame[c, a, d] / length[c]
-                    out[c, a, 6 * side + 3 + d] = sign * moment[d] / length[c]
+        i0, i1, i2 = centroid[c, 0] - x_i[c, 0], centroid[c, 1] - x_i[c, 1], centroid[c, 2] - x_i[c, 2]
+        j0, j1, j2 = centroid[c, 0] - x_j[c, 0], centroid[c, 1] - x_j[c, 1], centroid[c, 2] - x_j[c, 2]
+        for a in range(3):
+            a0, a1, a2 = frame[c, a, 0] / length[c], frame[c, a, 1] / length[c], frame[c, a, 2] / length[c]
+            out[c, a, 0], out[c, a, 1], out[c, a, 2] = -a0, -a1, -a2
+            # a . (theta x r) = theta . (r x a)
+            out[c, a, 3], out[c, a, 4], out[c, a, 5] = i2 * a1 - i1 * a2, i0 * a2 - i2 * a0, i1 * a0 - i0 * a1
+            out[c, a, 6], out[c, a, 7], out[c, a, 8] = a0, a1, a2
+            out[c, a, 9], out[c, a, 10], out[c, a, 11] = j1 * a2 - j2 * a1, j2 * a0 - j0 * a2, j0 * a1 - j1 * a0
 
 
 @njit(cache=True)

@@ -25,23 +25,19 @@ def _assemble(  # type: ignore[no-untyped-def]
     begin, end, order, place, indptr, indices, bodies, rows, volume, first, adjacent, moduli, spin, out
 ):
     """Returns zero, or nan where an entry on the diagonal is not finite."""
-    scaled, zero = np.empty((6, 3)), 0.0
+    zero = 0.0
     for i in range(begin, end):
         body, last = order[i], indptr[i + 1] - 1
         out[indptr[i] : last + 1] = 0.0
         for k in range(first[body], first[body + 1]):
             c, side = adjacent[k] // 2, adjacent[k] % 2
             here, there = 6 * side, 6 - 6 * side
-            for a in range(3):
-                weight = volume[c] * moduli[c, a]
-                for p in range(6):
-                    scaled[p, a] = weight * rows[c, a, here + p]
+            w0, w1, w2 = volume[c] * moduli[c, 0], volume[c] * moduli[c, 1], volume[c] * moduli[c, 2]
             for p in range(6):
-                for q in range(p + 1):
-                    s = 0.0
-                    for a in range(3):
-                        s += scaled[p, a] * rows[c, a, here + q]
-                    out[last, p, q] += s
+                s0, s1, s2 = w0 * rows[c, 0, here + p], w1 * rows[c, 1, here + p], w2 * rows[c, 2, here + p]
+                for q in range(6):
+                    row0, row1, row2 = rows[c, 0, here + q], rows[c, 1, here + q], rows[c, 2, here + q]
+                    out[last, p, q] += s0 * row0 + s1 * row1 + s2 * row2
             for p in range(3, 6):
                 out[last, p, p] += spin[c]
             j = place[bodies[c, 1 - side]]
@@ -51,11 +47,10 @@ def _assemble(  # type: ignore[no-untyped-def]
             while indices[m] != j:
                 m += 1
             for p in range(6):
+                s0, s1, s2 = w0 * rows[c, 0, here + p], w1 * rows[c, 1, here + p], w2 * rows[c, 2, here + p]
                 for q in range(6):
-                    s = 0.0
-                    for a in range(3):
-                        s += scaled[p, a] * rows[c, a, there + q]
-                    out[m, p, q] += s
+                    row0, row1, row2 = rows[c, 0, there + q], rows[c, 1, there + q], rows[c, 2, there + q]
+                    out[m, p, q] += s0 * row0 + s1 * row1 + s2 * row2
             for p in range(3, 6):
                 out[m, p, p] -= spin[c]
         for p in range(6):

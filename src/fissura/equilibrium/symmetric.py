@@ -109,7 +109,8 @@ class SymmetricSolver:
         if not isinstance(self._chosen, TwoLevel):
             self.factor(assemble_secant(geometry, self._form, moduli))
             return
-        self._begin(lambda: assemble_secant(geometry, self._form, moduli))
+        form = self._form  # a reference to the solver would keep both until the collector comes
+        self._begin(lambda: assemble_secant(geometry, form, moduli))
         try:
             self._chosen.factor_contacts(geometry, moduli)
         except SingularMatrixError as error:
