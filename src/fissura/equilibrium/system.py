@@ -254,6 +254,10 @@ class System:
         flat: FloatArray = forces.ravel() + self.constant @ u
         return flat
 
+    def elastic_forces(self, u: FloatArray) -> FloatArray:
+        """Internal forces without any damage, for displacements u; (6 n,) -> (6 n,)."""
+        return self.internal(contact_strains(self.geometry, u.reshape(-1, 6)) * self.moduli, u)
+
     def secant_moduli(self, history: FloatArray) -> FloatArray:
         """Secant stiffness ``(1 - D) (E, alpha E, alpha E)`` of every contact [Pa], shape (m, 3)."""
         moduli = self.moduli.copy()
