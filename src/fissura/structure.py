@@ -78,7 +78,8 @@ class Structure:
         self.system = self._equations(self._discretized(self._region))
 
     def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
-        return discretize(self.nuclei, self.box, region.spacing(self.nuclei.x), previous)
+        found = discretize(self.nuclei, self.box, region.spacing(self.nuclei.x), previous)
+        return replace(found, cells=None) if self._full else found  # nothing will change there
 
     def _equations(self, tessellation: Tessellation) -> System:
         return System(

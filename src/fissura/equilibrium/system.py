@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
@@ -57,6 +58,24 @@ _FEW = 6
 _SAME = 1e-13
 
 _NOWHERE = Regions()
+
+
+@njit(cache=True)
+def _changes(tangent, intact, moduli, active, least, chosen, change):  # type: ignore[no-untyped-def]
+    count = 0
+    for k in range(len(active)):
+        size = 0.0
+        for a in range(3):
+            for b in range(3):
+                entry = tangent[k, a, b]
+                if a == b:
+                    entry -= intact[k] * moduli[active[k], a]
+                change[count, a, b] = entry
+                size = max(size, abs(entry))
+        if size > least:
+            chosen[count] = active[k]
+            count += 1
+    return count
 
 
 @dataclass(frozen=True)
@@ -307,11 +326,10 @@ class System:
         change : (c, 3, 3) array
             By how much.
         """
-        change = tangent.copy()
-        change[:, range(3), range(3)] -= intact[:, None] * self.moduli[self.active]
-        size = np.abs(change).max(axis=(1, 2), initial=0.0)
-        chosen = np.flatnonzero(size > _SAME * self.material.E)
-        return self.active[chosen], change[chosen]
+        chosen = np.empty(len(tangent), dtype=np.int64)
+        change = np.empty_like(tangent)
+        count = _changes(tangent, intact, self.moduli, self.active, _SAME * self.material.E, chosen, change)
+        return chosen[:count], change[:count]
 
     def stored(self, response: Response) -> float:
         """Elastic energy of contacts, ``sum A L s . e / 2``, of the stiffness against spinning and of supports [J]."""
