@@ -26,6 +26,8 @@ def test_estimates() -> None:
     assert memory.estimate_bodies(spacing(0.01)) == pytest.approx(0.734 * 35.6 * 10.6 * 5.6)
     assert 0.993e9 < memory.estimate_memory(23_647) < 1.3e9  # measured: 0.993e9
     assert 2.9e9 < memory.estimate_memory(101_000) < 4.4e9
+    assert 0.448e9 < memory.estimate_elastic_memory(23_647) < 0.6e9  # measured: 0.448e9
+    assert 1.25e9 < memory.estimate_elastic_memory(103_603) < 1.6e9  # measured: 1.248e9
     assert memory.estimate_elastic_memory(101_000) < memory.estimate_memory(101_000)
     assert 1e8 < memory.physical_memory() < 1e14
 

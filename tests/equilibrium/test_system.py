@@ -141,3 +141,24 @@ def test_stiffness_does_not_change_with_the_size_of_bodies():
     assert b.load == pytest.approx(xi**2 * a.load, rel=1e-7)
     size = np.abs(a.response.strain).max()
     np.testing.assert_allclose(np.sort(b.response.strain[:, 0]), np.sort(a.response.strain[:, 0]), atol=1e-6 * size)
+
+
+def test_elastic_forces_are_those_of_the_secant_matrix_without_damage(mixed):
+    u = np.random.default_rng(3).normal(size=mixed.size)
+    scaled = mixed.scaled(1.3)
+    expected = scaled.pattern.product(scaled.secant(scaled.virgin()), u)
+    np.testing.assert_allclose(scaled.elastic_forces(u), expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_contacts_that_differ_from_a_secant_stiffness(mixed):
+    rng = np.random.default_rng(4)
+    intact = rng.uniform(0.1, 1.0, len(mixed.active))
+    tangent = np.zeros((len(mixed.active), 3, 3))
+    tangent[:, range(3), range(3)] = intact[:, None] * mixed.moduli[mixed.active]
+    differ = np.array([0, 3, len(tangent) - 1])
+    by = 1e-9 * CONCRETE.E * rng.normal(size=(3, 3, 3))
+    tangent[differ] += by
+    contacts, change = mixed.changed(tangent, intact)
+    np.testing.assert_array_equal(contacts, mixed.active[differ])
+    np.testing.assert_allclose(change, by, atol=1e-14 * CONCRETE.E)
+    assert len(mixed.changed(tangent, intact + 1e-9)[0]) == len(tangent)
