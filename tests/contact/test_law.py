@@ -8,7 +8,7 @@ import pytest
 
 from equilibrium.models import CONCRETE, beam
 from fissura.contact import CusatisCedolin, law_from_case
-from fissura.contact.law import transition_angle
+from fissura.contact.law import lowest_strength, transition_angle
 from fissura.errors import InputError
 from fissura.material import Material
 
@@ -321,3 +321,37 @@ def test_material_with_many_other_constants_still_peaks_where_it_should():
     assert traction[0, 0] == pytest.approx(m.f_t, rel=1e-13)
     assert traction[1, 1] == pytest.approx(m.f_s, rel=1e-13)
     assert history[:, 0].max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"alpha": 1.0},
+        {"f_s": 1.2 * CONCRETE.f_t},
+        {"f_s": 0.9 * CONCRETE.f_t, "mu": 1.5},
+        {"f_c": 1e7},
+        {"mu": 0.0},
+    ],
+)
+def test_lowest_strength_is_below_that_in_every_direction(changes):
+    material = dataclasses.replace(CONCRETE, **changes)
+    law = dataclasses.replace(law_of(20_001), material=material, omega0=transition_angle(material))
+    strain = direction(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 20_001), material.alpha)
+    strength = material.E / law.utilisation(strain)
+    assert 0.5 * strength.min() < lowest_strength(material) < strength.min()
+
+
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_contacts_just_below_the_lowest_strength_answer_as_those_above(share):
+    """One is answered without its strength, the other with it; neither is damaged anew."""
+    rng = np.random.default_rng(5)
+    omega = rng.uniform(0.1, 0.4, 200)  # far from tension, where the bound is far below the strength
+    strain = share * lowest_strength(CONCRETE) / CONCRETE.E * direction(omega)
+    law, history = law_of(200), np.zeros((200, 3))
+    history[:, 0] = rng.uniform(size=200)
+    traction, new = law.response(strain, history)
+    np.testing.assert_array_equal(new[:, 0], history[:, 0])
+    stiffness = (1.0 - history[:, :1]) * law.elastic
+    np.testing.assert_allclose(traction, stiffness * strain, rtol=1e-14)
+    np.testing.assert_allclose(law.tangent(strain, history), stiffness[:, :, None] * np.eye(3), rtol=1e-14)

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from fissura.errors import InputError
 from fissura.material import Material
 
-__all__ = ["CusatisCedolin", "transition_angle"]
+__all__ = ["CusatisCedolin", "lowest_strength", "transition_angle"]
 
 FloatArray = NDArray[np.float64]
 
@@ -39,6 +39,20 @@ def _compression_strength(sin, cos, alpha, f_c, beta):  # type: ignore[no-untype
     g2 = sin * sin + alpha * cos * cos / beta
     f = f_c / np.sqrt(g2)
     return f, -f * (1.0 - alpha / beta) * sin * cos / g2
+
+
+def lowest_strength(material: Material) -> float:
+    """Effective stress below which no contact of unit relative strength is damaged, whatever its direction [Pa].
+
+    The surface under tension and shear is convex: a chord from tension to shear is below it, and under compression it
+    bears more than without. The cap is an ellipse.
+    """
+    m = material
+    shear = m.f_s / np.sqrt(m.alpha)
+    tension = min(m.f_t, (m.f_s / m.mu) ** 2 / m.f_t) if m.mu > 0.0 else m.f_t
+    chord = tension * shear / np.hypot(tension, shear)
+    cap = m.f_c * min(1.0, np.sqrt(m.beta / m.alpha))
+    return (1.0 - 1e-9) * float(min(chord, cap))
 
 
 def transition_angle(material: Material) -> float:
@@ -69,18 +83,30 @@ def transition_angle(material: Material) -> float:
 
 @njit(cache=True)
 def _respond(  # type: ignore[no-untyped-def]
-    strain, history, scale, k_t, k_s, n_t, par, traction, new, tangent, with_tangent
+    strain, history, scale, k_t, k_s, n_t, par, lowest, traction, new, tangent, with_tangent
 ):
     E, alpha, f_t0, f_s0, f_c0, k_c, mu, beta, n_c, omega0 = par
     root_alpha = np.sqrt(alpha)
     for c in range(len(strain)):
         p = strain[c, 0]
         e_t = np.sqrt(strain[c, 1] ** 2 + strain[c, 2] ** 2)
-        q = root_alpha * e_t
-        e = np.sqrt(p * p + q * q)
         damage = history[c, 0]
         top_n, top_t = max(history[c, 1], p), max(history[c, 2], e_t)
         new[c, 1], new[c, 2] = top_n, top_t
+        # Most contacts are far from their strength: nothing more is asked about these.
+        far = lowest * scale[c] / E
+        if max(p * p, top_n * top_n) + alpha * top_t * top_t < far * far:
+            new[c, 0] = damage
+            for a in range(3):
+                s = (1.0 - damage) * E if a == 0 else (1.0 - damage) * alpha * E
+                traction[c, a] = s * strain[c, a]
+                if with_tangent:
+                    for b in range(3):
+                        tangent[c, a, b] = 0.0
+                    tangent[c, a, a] = s
+            continue
+        q = root_alpha * e_t
+        e = np.sqrt(p * p + q * q)
         grows = False
         d_p, d_q = 0.0, 0.0  # derivatives of damage
         if e > 0.0:
@@ -295,6 +321,7 @@ class CusatisCedolin:
             self.k_s,
             self.n_t,
             self._parameters(),
+            lowest_strength(self.material),
             traction,
             new,
             tangent,

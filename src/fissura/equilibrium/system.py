@@ -262,7 +262,8 @@ class System:
         """Internal forces for displacements u, shape (6 n,), and accepted history."""
         strain = contact_strains(self.geometry, u.reshape(-1, 6))
         traction = strain * self.moduli
-        traction[self.active], new = self.law.response(strain[self.active], history)
+        # numpy takes rows many times faster than it indexes them
+        traction[self.active], new = self.law.response(strain.take(self.active, axis=0), history)
         return Response(u, strain, traction, new, self.internal(traction, u))
 
     def internal(self, traction: FloatArray, u: FloatArray) -> FloatArray:
