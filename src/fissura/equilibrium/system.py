@@ -9,7 +9,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
@@ -21,6 +20,7 @@ from fissura.contact import (
     kinematics,
     nodal_forces,
 )
+from fissura.equilibrium.active import changes, put_rows
 from fissura.equilibrium.assembly import Pattern, add_spin, assemble, assemble_secant, pattern
 from fissura.equilibrium.attach import attach, attach_rows, owners
 from fissura.equilibrium.krylov import dot
@@ -58,24 +58,6 @@ _FEW = 6
 _SAME = 1e-13
 
 _NOWHERE = Regions()
-
-
-@njit(cache=True)
-def _changes(tangent, intact, moduli, active, least, chosen, change):  # type: ignore[no-untyped-def]
-    count = 0
-    for k in range(len(active)):
-        size = 0.0
-        for a in range(3):
-            for b in range(3):
-                entry = tangent[k, a, b]
-                if a == b:
-                    entry -= intact[k] * moduli[active[k], a]
-                change[count, a, b] = entry
-                size = max(size, abs(entry))
-        if size > least:
-            chosen[count] = active[k]
-            count += 1
-    return count
 
 
 @dataclass(frozen=True)
@@ -262,8 +244,9 @@ class System:
         """Internal forces for displacements u, shape (6 n,), and accepted history."""
         strain = contact_strains(self.geometry, u.reshape(-1, 6))
         traction = strain * self.moduli
-        # numpy takes rows many times faster than it indexes them
-        traction[self.active], new = self.law.response(strain.take(self.active, axis=0), history)
+        # numpy takes rows many times faster than it indexes them, but has no such way back
+        damaged, new = self.law.response(strain.take(self.active, axis=0), history)
+        put_rows(damaged, self.active, traction)
         return Response(u, strain, traction, new, self.internal(traction, u))
 
     def internal(self, traction: FloatArray, u: FloatArray) -> FloatArray:
@@ -327,10 +310,7 @@ class System:
         change : (c, 3, 3) array
             By how much.
         """
-        chosen = np.empty(len(tangent), dtype=np.int64)
-        change = np.empty_like(tangent)
-        count = _changes(tangent, intact, self.moduli, self.active, _SAME * self.material.E, chosen, change)
-        return chosen[:count], change[:count]
+        return changes(tangent, intact, self.moduli, self.active, _SAME * self.material.E)
 
     def stored(self, response: Response) -> float:
         """Elastic energy of contacts, ``sum A L s . e / 2``, of the stiffness against spinning and of supports [J]."""

@@ -1,0 +1,72 @@
+"""Compiled operations on the contacts with damage among all contacts."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = ["changes", "put_rows"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@njit(cache=True)
+def _put_rows(values, rows, out):  # type: ignore[no-untyped-def]
+    for k in range(len(rows)):
+        for a in range(3):
+            out[rows[k], a] = values[k, a]
+
+
+@njit(cache=True)
+def _changes(tangent, intact, moduli, active, least, chosen, change):  # type: ignore[no-untyped-def]
+    count = 0
+    for k in range(len(active)):
+        size = 0.0
+        for a in range(3):
+            for b in range(3):
+                entry = tangent[k, a, b]
+                if a == b:
+                    entry -= intact[k] * moduli[active[k], a]
+                change[count, a, b] = entry
+                size = max(size, abs(entry))
+        if size > least:
+            chosen[count] = active[k]
+            count += 1
+    return count
+
+
+def put_rows(values: FloatArray, rows: IntArray, out: FloatArray) -> None:
+    """``out[rows] = values``; (k, 3), (k,) and (m, 3)."""
+    _put_rows(values, rows, out)
+
+
+def changes(
+    tangent: FloatArray, intact: FloatArray, moduli: FloatArray, active: IntArray, least: float
+) -> tuple[IntArray, FloatArray]:
+    """Where a tangent stiffness differs from a secant stiffness.
+
+    Parameters
+    ----------
+    tangent : (k, 3, 3) array
+        Tangent ``ds/de`` of the contacts with damage [Pa].
+    intact : (k,) array
+        Share of the elastic stiffness that the secant stiffness has.
+    moduli : (m, 3) array
+        Elastic stiffness of all contacts [Pa].
+    active : (k,) array
+        Contacts with damage.
+    least : float
+        Differences up to which entries are the same [Pa].
+
+    Returns
+    -------
+    contacts : (c,) array
+        Those of `active` where they differ.
+    change : (c, 3, 3) array
+        By how much [Pa].
+    """
+    chosen, change = np.empty(len(tangent), dtype=np.int64), np.empty_like(tangent)
+    count = _changes(tangent, intact, moduli, active, least, chosen, change)
+    return chosen[:count], change[:count]
