@@ -258,6 +258,6 @@ def check_not_bridged(notch: Notch, near: NDArray[np.bool_], pieces: list[tuple[
     if bridges:
         raise InputError(
             "discretization.l_c",
-            f"{bridges} bodies would reach across the notch at {notch.position:g} m",
+            f"{bridges} {'body' if bridges == 1 else 'bodies'} would reach across the notch at {notch.position:g} m",
             "a smaller l_c, or a notch farther from the end of the specimen",
         )
