@@ -256,6 +256,7 @@ def test_arguments_that_do_not_go_together(tiny: Build, tmp_path: Path) -> None:
         ({"resume": True, "output": tmp_path / "none"}, "--resume"),
         ({"workers": 2, "scheduler": "tcp://127.0.0.1:1"}, "--workers"),
         ({"scheduler": "nonsense"}, "--scheduler"),
+        ({"scheduler": "tcp://127.0.0.1:1"}, "--scheduler"),  # nobody listens there
         ({"leading_modes": 4}, "--leading-modes"),
         ({"sampling": "latin-hypercube", "leading_modes": 100_000}, "--leading-modes"),
         ({"workers": 0}, "--workers"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import socket
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -29,6 +30,9 @@ ADDRESS = "the address that `dask scheduler` prints, such as tcp://127.0.0.1:878
 
 #: How often a run is computed at most if its result is lost each time.
 _ATTEMPTS = 5
+
+#: Seconds within which a scheduler must answer.
+_REACH = 10.0
 
 #: Seconds between looks for results, and between checks that all local workers are there.
 _POLL, _HEAL = 0.02, 2.0
@@ -115,18 +119,24 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
 
 
 def check_address(scheduler: str) -> None:
-    """Raise InputError if this cannot be the address of a scheduler.
+    """Raise InputError if this is not the address of a scheduler that can be reached.
 
-    A client of Dask that is given such text takes a minute to give up, and writes a traceback.
+    A client of Dask takes up to a minute to give up, and writes a traceback for what is no address at all; and by then
+    a folder would have been begun.
     """
     from distributed.comm.addressing import parse_address, parse_host_port
 
     try:
         protocol, place = parse_address(scheduler)
-        if protocol in ("tcp", "tls"):
-            parse_host_port(place)
+        if protocol not in ("tcp", "tls"):
+            return
+        host, port = parse_host_port(place)
     except ValueError as error:
         raise InputError("--scheduler", f"{scheduler} is not an address ({error})", ADDRESS) from error
+    try:
+        socket.create_connection((host, port), timeout=_REACH).close()
+    except OSError as error:
+        raise InputError("--scheduler", f"{scheduler} cannot be reached ({error})", ADDRESS) from error
 
 
 @contextmanager
