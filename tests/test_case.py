@@ -68,7 +68,7 @@ def test_defaults() -> None:
     a = case.adaptivity
     assert (a.criterion, a.gamma, a.r_f, a.r_c, a.notch_tips, a.regions) == (
         "utilisation",
-        0.85,
+        0.75,
         0.06,
         0.14,
         True,

@@ -20,7 +20,7 @@ FIELD = {"length": 0.015, "seed": 6}
 
 @cache
 def done(full=False, criterion="utilisation", r_f=0.024):
-    case = beam(field=FIELD, **REFINING | {"adaptivity": {"r_f": r_f, "criterion": criterion, "gamma": 0.75}})
+    case = beam(field=FIELD, **REFINING | {"adaptivity": {"r_f": r_f, "criterion": criterion}})
     simulation = Simulation(case, full=full)
     return simulation, list(simulation.steps())
 

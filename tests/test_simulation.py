@@ -23,7 +23,7 @@ from fissura.specimen import conditions_from_case, specimen_from_case
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 #: Few fine bodies at first, so that refinement has work to do.
-REFINING = {"discretization": {"l_f": 0.006, "l_c": 0.02}, "adaptivity": {"r_f": 0.012, "gamma": 0.75}}
+REFINING = {"discretization": {"l_f": 0.006, "l_c": 0.02}, "adaptivity": {"r_f": 0.012}}
 
 
 @cache
@@ -32,7 +32,7 @@ def done(kind, full, seed=1):
     changes = {
         "coarse": {},
         "saw cut": {"notch": {"width": 0.002}},
-        "graded": {"discretization": {"l_f": 0.006, "l_c": 0.02}, "adaptivity": {"r_f": 0.024, "gamma": 0.75}},
+        "graded": {"discretization": {"l_f": 0.006, "l_c": 0.02}, "adaptivity": {"r_f": 0.024}},
         "refining": REFINING,
     }[kind]
     simulation = Simulation(beam(seed=seed, **changes), full=full)
@@ -88,7 +88,7 @@ def test_energy_balance(kind, full):
     """Work of the load, and what changes of the discretization put in, is stored or dissipated, at every step.
 
     What is left is the residual of equilibrium. Refinements put in 0.1 to 0.2 % of the work with the default radius,
-    1.0 % with half of it, for a gamma of 0.75.
+    1.0 % with half of it.
     """
     _, steps = done(kind, full)
     work = np.array([s.work for s in steps])
