@@ -1,6 +1,7 @@
 import csv
 import io
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -270,3 +271,18 @@ def test_processes_give_the_same_results_and_can_be_interrupted(finished, tmp_pa
         a, b = (Record.load(f / "runs" / "beam" / "seed0001" / f"{name}.npz") for f in (folder, tmp_path / "out"))
         assert list(a.curve["load_N"]) == list(b.curve["load_N"])
         assert list(a.energies.energy) == list(b.energies.energy)
+
+
+def test_a_variation_may_be_renamed(finished, tmp_path):
+    """The case decides what is done, not the name under which it was run."""
+    path, folder, first, _ = finished
+    copy = tmp_path / "out"
+    shutil.copytree(folder, copy)
+    record = next(copy.rglob("default.npz"))
+    record.rename(record.with_name("other.npz"))
+    renamed = path.with_name("renamed.toml")
+    renamed.write_text(path.read_text().replace('name = "default"', 'name = "other"'))
+    again = run_study(load_plan(renamed), copy, run=False)
+    assert again.left == 0
+    assert {m.variation for m in again.found} == {"other", "gone"}
+    assert [m.load for m in again.found if m.compared] == [m.load for m in first.found if m.compared]

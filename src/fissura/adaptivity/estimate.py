@@ -11,10 +11,10 @@ __all__ = ["load_error_bound"]
 
 #: Largest difference of the load from full resolution, over the peak load, per unit of the largest utilisation of
 #: elastic contacts, with the default radius: 95 % of the runs of the study stay below.
-_PER_UTILISATION = 0.0128
+_PER_UTILISATION = 0.0133
 
 #: The default radius over `l_f`, and the power with which the error falls with the radius.
-_RADIUS, _POWER = 6.0, 1.5
+_RADIUS, _POWER = 6.0, 1.65
 
 
 def load_error_bound(utilisation: float, radius: float = _RADIUS) -> float:

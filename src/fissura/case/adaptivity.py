@@ -40,7 +40,7 @@ class Level:
 
 #: From the coarsest to the finest (`fissura study benchmarks/study.toml`).
 LEVELS = (
-    Level(0.05, 0.9, 4.0, 2.0),
+    Level(0.05, 0.85, 5.0, 2.0),
     Level(0.01, 0.75, 6.0, 2.0),
     Level(0.005, 0.6, 8.0, 4.0),
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from dataclasses import replace
 from pathlib import Path
 
 from fissura.errors import InputError
@@ -24,8 +25,10 @@ def recorded(task: Task, folder: Path) -> Record | None:
         record = Record.load(path)
     except InputError:  # half a file of a machine that went down: run it again
         return None
-    same = case_text(record.case, of_full=task.full) == case_text(task.case, of_full=task.full)
-    return record if same else None
+    if case_text(record.case, of_full=task.full) != case_text(task.case, of_full=task.full):
+        return None
+    # The case decides, not the name that its variation had when it was run.
+    return replace(record, specimen=task.specimen, seed=task.seed, variation=task.variation)
 
 
 def split(
