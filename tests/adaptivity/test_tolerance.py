@@ -27,7 +27,7 @@ def test_levels_go_from_coarse_to_fine():
 
 @pytest.mark.parametrize(
     ("tolerance", "gamma", "r_f", "r_c"),
-    [("5 %", 0.9, 0.032, 0.096), (0.02, 0.75, 0.048, 0.112), ("1%", 0.75, 0.048, 0.112), ("0.5 %", 0.6, 0.064, 0.192)],
+    [("5 %", 0.85, 0.04, 0.104), (0.02, 0.75, 0.048, 0.112), ("1%", 0.75, 0.048, 0.112), ("0.5 %", 0.6, 0.064, 0.192)],
 )
 def test_a_tolerance_chooses(small_case, tolerance, gamma, r_f, r_c):
     part = small_case(adaptivity={"tolerance": tolerance}).adaptivity
