@@ -219,7 +219,8 @@ class IncompleteCholesky:
         form, out = self.form, np.empty_like(right)
         rest = (form.indptr, form.indices, self._factor)
         self._team.run(_forward, form.bounds, *rest, right, out)
-        ALONE.run(_forward, form.tail, *rest, right, out)
-        ALONE.run(_backward, form.tail, *rest, out)
+        if form.has_tail:
+            ALONE.run(_forward, form.tail, *rest, right, out)
+            ALONE.run(_backward, form.tail, *rest, out)
         self._team.run(_backward, form.bounds, *rest, out)
         return out

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -60,12 +61,17 @@ class LowerBlocks:
     stride: IntArray
     bounds: IntArray
 
-    @property
+    @cached_property
     def tail(self) -> IntArray:
         """Begin and end of the bodies that come after all domains, shape (2,)."""
         return np.array([self.bounds[-1], len(self.order)])
 
-    @property
+    @cached_property
+    def has_tail(self) -> bool:
+        """Whether there are such bodies; what has nothing to do takes as long to start as small structures to solve."""
+        return bool(self.bounds[-1] < len(self.order))
+
+    @cached_property
     def pieces(self) -> IntArray:
         """Bounds of domains and tail, shape (domains + 2,), or (2,) where there is one domain and no tail."""
         return self.bounds if self.bounds[-1] == len(self.order) else np.append(self.bounds, len(self.order))
@@ -248,7 +254,8 @@ def multiply(form: LowerBlocks, blocks: FloatArray, x: FloatArray, team: Team = 
     """Product of the symmetric matrix whose lower blocks these are with a vector; (n, 6) -> (n, 6)."""
     out = np.empty_like(x)
     team.run(_multiply, form.bounds, form.indptr, form.indices, blocks, x, out)
-    ALONE.run(_multiply, form.tail, form.indptr, form.indices, blocks, x, out)
+    if form.has_tail:
+        ALONE.run(_multiply, form.tail, form.indptr, form.indices, blocks, x, out)
     return out
 
 

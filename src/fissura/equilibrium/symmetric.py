@@ -152,9 +152,9 @@ class SymmetricSolver:
 
         The second costs a direct solver nothing: it is `right`.
         """
+        if isinstance(self._current, TwoLevel):
+            return self._current.apply_with_product(right)
         found = self._current.apply(right)
         if self._current is self._direct:
             return found, right
-        if isinstance(self._current, TwoLevel):
-            return found, self._current.product(found)
         return found, self._form.product(self._entries(), found)

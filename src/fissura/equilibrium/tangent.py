@@ -120,10 +120,15 @@ class TangentSolver:
         def operator(v: FloatArray) -> tuple[FloatArray, FloatArray]:
             z, image = secant.apply(v[:-1] / weights)
             more = (v[-1] / scale - dot(a, z)) / reach
-            z = z + more * unit
-            image = image + more * off
-            add_stiffness(geometry, chosen, change, z.reshape(-1, 6), image.reshape(-1, 6))
-            return np.append(z, more), np.append(weights * image, v[-1] + scale * b * more)
+            move, out = np.empty_like(v), np.empty_like(v)
+            np.multiply(unit, more, out=move[:-1])
+            move[:-1] += z
+            move[-1] = more
+            image += more * off
+            add_stiffness(geometry, chosen, change, move[:-1].reshape(-1, 6), image.reshape(-1, 6))
+            np.multiply(weights, image, out=out[:-1])
+            out[-1] = v[-1] + scale * b * more
+            return move, out
 
         # The gap is closed first, as far as the load takes no part in the constraint exactly.
         more = gap / reach

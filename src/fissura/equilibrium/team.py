@@ -66,8 +66,10 @@ class Team:
 
         Pieces may run at the same time: none may write what another one reads or writes.
         """
+        if len(bounds) == 2:
+            return [kernel(bounds[0], bounds[1], *rest)]
         pieces = list(pairwise(bounds))
-        if self.threads == 1 or len(pieces) == 1:
+        if self.threads == 1:
             return [kernel(begin, end, *rest) for begin, end in pieces]
         if self._pool is None:
             from concurrent.futures import ThreadPoolExecutor

@@ -118,7 +118,7 @@ class TwoLevel:
         self._group: IntArray = bisected(self._x, _CLUSTER, body_weights(self._lower, self._x))
         # A cluster of which only some bodies are held could not move, and would leave the others to the smoother.
         self._group[held[order]] += len(x)
-        place = np.empty(len(x), dtype=np.int64)
+        self._place = place = np.empty(len(x), dtype=np.int64)
         place[order] = np.arange(len(x))
         self._wide = LowRank(place[form.wide.bodies], form.wide.rows, form.wide.stiffness)
         narrow = held_bodies(form, wide=False)[order]
@@ -214,27 +214,31 @@ class TwoLevel:
         self.iterations = 0
         columns = right.reshape(self.form.size, -1)
         found = np.empty((self.form.size, columns.shape[1]))
-        order = self._lower.order
         for k, column in enumerate(columns.T):
-            b = np.ascontiguousarray(column, dtype=np.float64).reshape(-1, 6)
-            solution = np.empty_like(b)
-            solution[order] = self._solved(b[order], self.tolerance if tolerance is None else tolerance)
-            found[:, k] = solution.ravel()
+            b = self._ordered(np.ascontiguousarray(column, dtype=np.float64))
+            found[:, k] = self._given_back(self._solved(b, self.tolerance if tolerance is None else tolerance))
         return found.reshape(right.shape)
 
     def apply(self, right: FloatArray) -> FloatArray:
         """One cycle of the preconditioner, for iterations with other matrices; (n,) -> (n,)."""
-        order = self._lower.order
-        out = np.empty((len(order), 6))
-        out[order] = self._preconditioned(right.reshape(-1, 6)[order])
-        return out.ravel()
+        return self._given_back(self._preconditioned(self._ordered(right)))
 
     def product(self, u: FloatArray) -> FloatArray:
         """The matrix of the latest `factor` times a vector; (n,) -> (n,)."""
-        order = self._lower.order
-        out = np.empty((len(order), 6))
-        out[order] = self._product(u.reshape(-1, 6)[order])
-        return out.ravel()
+        return self._given_back(self._product(self._ordered(u)))
+
+    def apply_with_product(self, right: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What `apply` gives, and the matrix times that; (n,) -> (n,) each."""
+        found = self._preconditioned(self._ordered(right))
+        return self._given_back(found), self._given_back(self._product(found))
+
+    def _ordered(self, u: FloatArray) -> FloatArray:
+        """A vector in the order of the lower blocks, (n, 6)."""
+        return u.reshape(-1, 6).take(self._lower.order, axis=0)
+
+    def _given_back(self, u: FloatArray) -> FloatArray:
+        """A vector in the order of the bodies, (6 n,)."""
+        return u.take(self._place, axis=0).ravel()
 
     def _dot(self, a: FloatArray, b: FloatArray) -> float:
         return float(sum(self._team.run(dot, self._lower.pieces, a, b)))
