@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -81,9 +81,12 @@ class LowerBlocks:
         """Place of each block's row, shape (k,)."""
         return np.repeat(np.arange(len(self.order)), np.diff(self.indptr))
 
-    def packed(self) -> LowerBlocks:
-        """The same blocks where nothing else is stored, one after the other."""
-        return replace(self, start=36 * np.arange(len(self.indices)), stride=np.full(len(self.order), 6))
+    @cached_property
+    def place(self) -> IntArray:
+        """Place of each body, shape (n,)."""
+        out = np.empty(len(self.order), dtype=np.int64)
+        out[self.order] = np.arange(len(self.order))
+        return out
 
     def entries(self, blocks: IntArray, size: int) -> IntArray:
         """Where the leading `size` rows and columns of some blocks lie among the entries of the pattern; (q, s, s)."""

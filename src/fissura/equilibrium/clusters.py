@@ -154,23 +154,22 @@ def body_weights(form: LowerBlocks, x: FloatArray) -> FloatArray:
 
 
 @njit(cache=True)
-def _link_stiffness(indptr, start, stride, data, out):  # type: ignore[no-untyped-def]
+def _link_stiffness(indptr, blocks, out):  # type: ignore[no-untyped-def]
     link = 0
-    for i in range(len(stride)):
-        step = stride[i]
+    for i in range(len(indptr) - 1):
         for k in range(indptr[i], indptr[i + 1] - 1):
             s = 0.0
             for a in range(3):
                 for d in range(3):
-                    s += data[start[k] + a * step + d] ** 2
+                    s += blocks[k, a, d] ** 2
             out[link] = np.sqrt(s)
             link += 1
 
 
-def link_stiffness(form: LowerBlocks, data: FloatArray) -> FloatArray:
+def link_stiffness(form: LowerBlocks, blocks: FloatArray) -> FloatArray:
     """Size of the stiffness against translation between two bodies [N/m], for every block below the diagonal; (m,)."""
     out = np.empty(len(form.indices) - len(form.order))
-    _link_stiffness(form.indptr, form.start, form.stride, data, out)
+    _link_stiffness(form.indptr, blocks, out)
     return out
 
 

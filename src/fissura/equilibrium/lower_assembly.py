@@ -20,6 +20,15 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
+@njit(cache=True, inline="always")
+def _add_product(w0, w1, w2, rows, here, there, out):  # type: ignore[no-untyped-def]
+    """``out += B_here^T diag(w) B_there`` of one contact, for the six columns of each body's part of its strains."""
+    for p in range(6):
+        s0, s1, s2 = w0 * rows[0, here + p], w1 * rows[1, here + p], w2 * rows[2, here + p]
+        for q in range(6):
+            out[p, q] += s0 * rows[0, there + q] + s1 * rows[1, there + q] + s2 * rows[2, there + q]
+
+
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def _assemble(  # type: ignore[no-untyped-def]
     begin, end, order, place, indptr, indices, bodies, rows, volume, first, adjacent, moduli, spin, out
@@ -33,11 +42,7 @@ def _assemble(  # type: ignore[no-untyped-def]
             c, side = adjacent[k] // 2, adjacent[k] % 2
             here, there = 6 * side, 6 - 6 * side
             w0, w1, w2 = volume[c] * moduli[c, 0], volume[c] * moduli[c, 1], volume[c] * moduli[c, 2]
-            for p in range(6):
-                s0, s1, s2 = w0 * rows[c, 0, here + p], w1 * rows[c, 1, here + p], w2 * rows[c, 2, here + p]
-                for q in range(6):
-                    row0, row1, row2 = rows[c, 0, here + q], rows[c, 1, here + q], rows[c, 2, here + q]
-                    out[last, p, q] += s0 * row0 + s1 * row1 + s2 * row2
+            _add_product(w0, w1, w2, rows[c], here, here, out[last])
             for p in range(3, 6):
                 out[last, p, p] += spin[c]
             j = place[bodies[c, 1 - side]]
@@ -46,11 +51,7 @@ def _assemble(  # type: ignore[no-untyped-def]
             m = indptr[i]
             while indices[m] != j:
                 m += 1
-            for p in range(6):
-                s0, s1, s2 = w0 * rows[c, 0, here + p], w1 * rows[c, 1, here + p], w2 * rows[c, 2, here + p]
-                for q in range(6):
-                    row0, row1, row2 = rows[c, 0, there + q], rows[c, 1, there + q], rows[c, 2, there + q]
-                    out[m, p, q] += s0 * row0 + s1 * row1 + s2 * row2
+            _add_product(w0, w1, w2, rows[c], here, there, out[m])
             for p in range(3, 6):
                 out[m, p, p] -= spin[c]
         for p in range(6):
@@ -100,9 +101,7 @@ def assemble_lower(
         A modulus is not finite.
     """
     out = np.empty((len(lower.indices), 6, 6)) if out is None else out
-    place = np.empty(len(lower.order), dtype=np.int64)
-    place[lower.order] = np.arange(len(lower.order))
-    where = (lower.order, place, lower.indptr, lower.indices)
+    where = (lower.order, lower.place, lower.indptr, lower.indices)
     contacts = (geometry.bodies, geometry.rows, geometry.volume, geometry.first, geometry.adjacent)
     if any(team.run(_assemble, lower.pieces, *where, *contacts, moduli, form.spin, out)):  # nan is true
         raise ValueError("the stiffness matrix holds values that are not finite")

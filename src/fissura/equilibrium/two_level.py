@@ -118,9 +118,7 @@ class TwoLevel:
         self._group: IntArray = bisected(self._x, _CLUSTER, body_weights(self._lower, self._x))
         # A cluster of which only some bodies are held could not move, and would leave the others to the smoother.
         self._group[held[order]] += len(x)
-        self._place = place = np.empty(len(x), dtype=np.int64)
-        place[order] = np.arange(len(x))
-        self._wide = LowRank(place[form.wide.bodies], form.wide.rows, form.wide.stiffness)
+        self._wide = LowRank(self._lower.place[form.wide.bodies], form.wide.rows, form.wide.stiffness)
         narrow = held_bodies(form, wide=False)[order]
         firm, diagonal = np.flatnonzero(narrow), self._lower.indptr[1:] - 1
         self._left_out: tuple[IntArray, FloatArray] = (
@@ -141,7 +139,7 @@ class TwoLevel:
 
     def _stiffness(self, blocks: FloatArray) -> FloatArray:
         """Size of the contacts' stiffness against translation, without supports [N/m]."""
-        out = link_stiffness(self._lower.packed(), blocks.ravel())
+        out = link_stiffness(self._lower, blocks)
         own = blocks[self._held_blocks, :3, :3] - self._held_constant
         out[self._held_links] = np.sqrt(np.einsum("kad,kad->k", own, own))
         return out
@@ -238,7 +236,7 @@ class TwoLevel:
 
     def _given_back(self, u: FloatArray) -> FloatArray:
         """A vector in the order of the bodies, (6 n,)."""
-        return u.take(self._place, axis=0).ravel()
+        return u.take(self._lower.place, axis=0).ravel()
 
     def _dot(self, a: FloatArray, b: FloatArray) -> float:
         return float(sum(self._team.run(dot, self._lower.pieces, a, b)))
