@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["LIMITS", "VARIABLE", "threads_each"]
+__all__ = ["LIMITS", "VARIABLE", "threads_each", "usable_processors"]
 
 #: Environment variable that says how many threads to use where a case does not, for programs that start many runs.
 VARIABLE = "FISSURA_THREADS"
@@ -20,6 +20,13 @@ LIMITS = (
     "NUMBA_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )
+
+
+def usable_processors() -> int:
+    """Processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 @contextmanager

@@ -284,7 +284,7 @@ def test_a_missing_extra_is_named(
 def test_fewer_workers_where_memory_is_short(tiny: Build, monkeypatch: pytest.MonkeyPatch) -> None:
     import fissura.ensemble.cluster as module
 
-    monkeypatch.setattr(module, "_processors", lambda: 16)
+    monkeypatch.setattr(module, "usable_processors", lambda: 16)
     assert workers_that_fit(tiny(), full=True) <= 16
     monkeypatch.setattr(module, "physical_memory", lambda: 1.5e9)
     assert workers_that_fit(tiny(), full=True) == 4

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import socket
 import time
 from collections.abc import Iterable, Iterator
@@ -14,14 +13,14 @@ from fissura.ensemble.outcome import Outcome, compute
 from fissura.ensemble.plan import Task
 from fissura.errors import EnsembleStopped, InputError
 from fissura.memory import estimate_bodies, estimate_memory, physical_memory
-from fissura.threads import threads_each
+from fissura.threads import threads_each, usable_processors
 
 if TYPE_CHECKING:
     from distributed import Client
 
     from fissura.case import Case
 
-__all__ = ["check_address", "connected", "outcomes", "require_dask", "workers_that_fit"]
+__all__ = ["check_scheduler", "connected", "outcomes", "require_dask", "workers_that_fit"]
 
 _log = logging.getLogger(__name__)
 
@@ -52,14 +51,7 @@ def workers_that_fit(case: Case, *, full: bool) -> int:
     bodies = estimate_bodies(case) if case.discretization.nuclei is None else 0.0
     # Adaptive runs are far from the estimate of full resolution; a half of it is on the safe side.
     memory = estimate_memory(bodies if full else bodies / 2.0)
-    return max(1, min(_processors(), int(physical_memory() / memory)))
-
-
-def _processors() -> int:
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not Linux
-        return os.cpu_count() or 1
+    return max(1, min(usable_processors(), int(physical_memory() / memory)))
 
 
 @contextmanager
@@ -118,7 +110,7 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
         yield client
 
 
-def check_address(scheduler: str) -> None:
+def check_scheduler(scheduler: str) -> None:
     """Raise InputError if this is not the address of a scheduler that can be reached.
 
     A client of Dask takes up to a minute to give up, and writes a traceback for what is no address at all; and by then

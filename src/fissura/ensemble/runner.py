@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fissura.case import Case, load_case
-from fissura.ensemble.cluster import check_address, connected, outcomes, require_dask, workers_that_fit
+from fissura.ensemble.cluster import check_scheduler, connected, outcomes, require_dask, workers_that_fit
 from fissura.ensemble.outcome import Outcome
 from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling, Task
 from fissura.ensemble.result import EnsembleResult
@@ -124,7 +124,7 @@ def run_ensemble(
     if scheduler is None:
         require_memory(case, full=full)
     else:
-        check_address(scheduler)
+        check_scheduler(scheduler)
     store = _folder(output, plan, resume=resume, overwrite=overwrite)
     _compute(plan, store, workers, threads_per_worker, scheduler, on_start, on_outcome)
     return evaluate(plan, store)

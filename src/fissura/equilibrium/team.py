@@ -11,22 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.threads import VARIABLE
+from fissura.threads import VARIABLE, usable_processors
 
 if TYPE_CHECKING:
     from concurrent.futures import ThreadPoolExecutor
 
-__all__ = ["ALONE", "Team", "usable_processors"]
+__all__ = ["ALONE", "Team"]
 
 #: Large structures fall into so many domains, and more threads would wait for memory.
 _MOST = 4
-
-
-def usable_processors() -> int:
-    """Processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _usual() -> int:
