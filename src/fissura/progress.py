@@ -38,7 +38,45 @@ def _count(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
-class RunProgress:
+class _Live:
+    """A moving line in a terminal, and lines that stay.
+
+    Parameters
+    ----------
+    console : Console
+        Where to write; a moving line if it is a terminal.
+    share : str
+        How the line tells how far it is, in terms of Rich's ``task``.
+    """
+
+    def __init__(self, console: Console, share: str) -> None:
+        self._console = console
+        self._bar: Progress | None = None
+        self._task = TaskID(0)
+        if console.is_terminal:
+            self._bar = Progress(
+                BarColumn(20),
+                TextColumn(share),
+                TextColumn("{task.description}", markup=False),
+                console=console,
+                transient=True,
+            )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def say(self, text: str) -> None:
+        """Write a line that stays."""
+        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
+class RunProgress(_Live):
     """Shows the steps of a run while it goes on.
 
     Parameters
@@ -50,23 +88,14 @@ class RunProgress:
     """
 
     def __init__(self, console: Console, case: Case) -> None:
-        self._console = console
+        super().__init__(console, "{task.percentage:3.0f} %")
         self._quantity = case.quantity
         self._done = Done(case)
         self._start = time.monotonic()
         self._recent: deque[tuple[float, float]] = deque([(self._start, 0.0)], maxlen=11)
         self._refinements = 0
         self._shown = (self._start, 0.0)
-        self._bar: Progress | None = None
-        self._task = TaskID(0)
-        if console.is_terminal:
-            self._bar = Progress(
-                BarColumn(20),
-                TextColumn("{task.percentage:3.0f} %"),
-                TextColumn("{task.description}", markup=False),
-                console=console,
-                transient=True,
-            )
+        if self._bar is not None:
             self._task = self._bar.add_task("building the specimen", total=1.0)
 
     def __enter__(self) -> Self:
@@ -74,19 +103,13 @@ class RunProgress:
             self._bar.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._bar is not None:
-            self._bar.stop()
-
     def start(self, simulation: Simulation) -> None:
         """Say what is about to run."""
         now = time.monotonic()
         self._recent.clear()
         self._recent.append((now, 0.0))
         kind = "full resolution" if simulation.full else f"adaptive, full resolution has {simulation.bodies_full}"
-        self._print(
+        self.say(
             f"{simulation.case.name}: {simulation.bodies_start} bodies ({kind}), built in {duration(now - self._start)}"
         )
         if self._bar is not None:
@@ -102,12 +125,12 @@ class RunProgress:
         if self._bar is not None:
             self._bar.update(self._task, description=text, completed=share)
             if step.refinements:
-                self._print(f"step {step.number}: {_count(step.refinements, 'refinement')}, {step.bodies} bodies")
+                self.say(f"step {step.number}: {_count(step.refinements, 'refinement')}, {step.bodies} bodies")
             return
         seconds, more = now - self._shown[0], share - self._shown[1]
         if step.refinements or seconds >= EVERY_SECONDS or more >= EVERY_FRACTION * (1 - 1e-9):
             self._shown = (now, share)
-            self._print(f"{100 * share:3.0f} %  {text}")
+            self.say(f"{100 * share:3.0f} %  {text}")
 
     def _line(self, step: Step, now: float) -> str:
         parts = [
@@ -133,11 +156,8 @@ class RunProgress:
         now, share = self._recent[-1]
         return (1.0 - share) * (now - then) / (share - before) if share > before else None
 
-    def _print(self, text: str) -> None:
-        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
 
-
-class ManyProgress:
+class ManyProgress(_Live):
     """Shows how many of many runs have ended, and about how long the others take at the pace of these.
 
     Parameters
@@ -147,29 +167,10 @@ class ManyProgress:
     """
 
     def __init__(self, console: Console) -> None:
-        self._console = console
+        super().__init__(console, "{task.completed:.0f} of {task.total:.0f} runs")
         self._start = self._shown = time.monotonic()
         self._total = self._before = self._done = 0
         self._bad: dict[str, int] = {}
-        self._bar: Progress | None = None
-        self._task = TaskID(0)
-        if console.is_terminal:
-            self._bar = Progress(
-                BarColumn(20),
-                TextColumn("{task.completed:.0f} of {task.total:.0f} runs"),
-                TextColumn("{task.description}", markup=False),
-                console=console,
-                transient=True,
-            )
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._bar is not None:
-            self._bar.stop()
 
     def begin(self, missing: int, there: int, first: str) -> None:
         """Start the clock.
@@ -216,7 +217,3 @@ class ManyProgress:
         elif now - self._shown >= EVERY_SECONDS or not left:
             self._shown = now
             self.say(f"{self._before + self._done} of {self._total} runs, {text}")
-
-    def say(self, text: str) -> None:
-        """Write a line that stays."""
-        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
