@@ -12,26 +12,13 @@ import numpy as np
 from typer.testing import CliRunner, Result
 
 import fissura.results.recorder
+from changes import TINY_BEAM
 from fissura.case import Case
 from fissura.cli import app
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "beam_d100.toml"
 
-TINY = """
-specimen.size = ["80 mm", "20 mm", "10 mm"]
-notch = { position = "40 mm", depth = "8 mm" }
-supports = [
-    { type = "pin", face = "bottom", at = "10 mm" },
-    { type = "roller", face = "bottom", at = "70 mm" },
-]
-load = { face = "top", at = "40 mm" }
-gauge.a = { face = "bottom", at = "38 mm" }
-gauge.b = { face = "bottom", at = "42 mm" }
-material = { E = "60 GPa", alpha = 0.29, f_t = "2.2 MPa", G_t = "35 J/m^2" }
-discretization = { l_f = "5 mm", l_c = "10 mm" }
-control.target = "2 um"
-output.vtk = 0
-"""
+TINY = TINY_BEAM + 'control.target = "2 um"\n'
 
 
 def call(*arguments: str | Path) -> Result:
