@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from fissura.step import Step
 
 __all__ = ["prepare_folder", "run"]
+
+logger = logging.getLogger(__name__)
 
 
 def run(
@@ -77,6 +80,8 @@ def run(
     if case.output.measured is not None:
         read_measured(case.output.measured)  # the pictures need it at the end: say now if it is wrong
     simulation = Simulation(case, full=full)
+    for notice in simulation.notices:
+        logger.warning(notice)
     if on_start is not None:
         on_start(simulation)
     return _record(simulation, Recorder(simulation, folder), on_step)

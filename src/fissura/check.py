@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from fissura.bulk import bulk_law
 from fissura.case import Case
-from fissura.errors import InputError
+from fissura.errors import InputError, Notice
 from fissura.memory import estimate_memory, gigabytes, physical_memory, require_memory
 
 if TYPE_CHECKING:
@@ -48,8 +48,8 @@ class CheckReport:
         Share of the peak load at which the run ends, too; 0 if the load does not end it.
     max_energy : float
         Largest energy of a step [J] that is led by dissipated energy; 0 if energy does not lead.
-    warnings : tuple of str
-        What the user should know before running.
+    warnings : tuple of Notice
+        What looks wrong, and what to do about it.
     contact : tuple of float
         Elastic constants of the contacts: normal modulus [Pa], and tangential over normal stiffness.
     macro : tuple of float, optional
@@ -78,7 +78,7 @@ class CheckReport:
     max_step: float
     stop_load: float = 0.0
     max_energy: float = 0.0
-    warnings: tuple[str, ...] = field(default=())
+    warnings: tuple[Notice, ...] = field(default=())
     contact: tuple[float, float] = (math.nan, math.nan)
     macro: tuple[float, float] | None = None
     field_rows: tuple[tuple[str, str], ...] = field(default=())
@@ -165,11 +165,23 @@ def report(case: Case) -> CheckReport:
     bound = (3.0 if case.notch else 2.0) * case.discretization.l_f if case.discretization.nuclei is None else 0.0
     longest = max(bound, float(lengths.max(initial=0.0)))
     memory_full = estimate_memory(simulation.bodies_full)
-    warnings = []
+    warnings = list(simulation.notices)
     if longest >= material.longest:
-        warnings.append("a fine contact may be longer than the law allows: the run would stop there")
+        warnings.append(
+            Notice(
+                "discretization.l_f",
+                "a fine contact may be longer than the law allows: the run would stop there",
+                "a smaller l_f, or a larger material.G_t",
+            )
+        )
     if memory_full > machine:
-        warnings.append("full resolution does not fit into the memory of this machine")
+        warnings.append(
+            Notice(
+                "discretization.l_f",
+                "full resolution does not fit into the memory of this machine",
+                "run adaptively, without --full",
+            )
+        )
     return CheckReport(
         name=case.name,
         law=case.material.law,

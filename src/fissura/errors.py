@@ -1,8 +1,39 @@
-"""Errors that a user can cause or meet."""
+"""Errors that a user can cause or meet, and warnings about what is allowed but looks wrong."""
 
 from __future__ import annotations
 
-__all__ = ["EnsembleStopped", "FissuraError", "InputError", "RunStopped"]
+from dataclasses import dataclass
+
+__all__ = ["EnsembleStopped", "FissuraError", "InputError", "Notice", "RunStopped"]
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A warning: something is allowed but looks wrong, or a result should be read with care.
+
+    ``fissura check`` and ``fissura run`` print it, and ``summary.json`` keeps it under ``warnings``.
+
+    Attributes
+    ----------
+    key : str
+        Where: dotted key in the case file (``"notch.depth"``), command-line option or file.
+    problem : str
+        What looks wrong, with the value.
+    advice : str
+        What to do about it.
+
+    Examples
+    --------
+    >>> print(Notice("material.E", "60 kPa is very soft", "give the unit, such as GPa"))
+    material.E: 60 kPa is very soft (what to do: give the unit, such as GPa)
+    """
+
+    key: str
+    problem: str
+    advice: str
+
+    def __str__(self) -> str:
+        return f"{self.key}: {self.problem} (what to do: {self.advice})"
 
 
 class FissuraError(Exception):

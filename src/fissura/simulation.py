@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fissura.adaptivity import ElasticState, transfer_history
 from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, settle
-from fissura.errors import InputError, RunStopped
+from fissura.errors import InputError, Notice, RunStopped
 from fissura.step import Snapshot, Step
 from fissura.structure import Structure
 
@@ -114,6 +114,11 @@ class Simulation:
     def field(self) -> RandomField | None:
         """Relative strength as a function of position; None where it is the same everywhere."""
         return self._structure.field
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """What looks wrong in the case."""
+        return self._structure.notices
 
     @property
     def elastic_scale(self) -> float:

@@ -18,6 +18,7 @@ from fissura.adaptivity import (
     needed_bodies,
     region_from_case,
 )
+from fissura.case import case_notices
 from fissura.contact import law_from_case
 from fissura.equilibrium import Response, System, Team
 from fissura.material import check_not_everywhere, elastic_from_case, field_from_case, material_from_case
@@ -49,6 +50,8 @@ class Structure:
 
     Attributes
     ----------
+    notices : tuple of Notice
+        What looks wrong in the case, although it can be built.
     box, nuclei : Box, Nuclei
         The specimen, and all its fine nuclei.
     field : RandomField or None
@@ -65,6 +68,7 @@ class Structure:
         self._criterion = criterion_named(case.adaptivity.criterion)
         self._law = law_from_case(case)
         self._material = material_from_case(case)
+        self.notices = case_notices(case)
         self.box = specimen_from_case(case)
         self._conditions = conditions_from_case(case, self.box)
         self._elastic = elastic_from_case(case)

@@ -94,7 +94,7 @@ def test_check_warns_of_long_contacts(tiny: Path, fake: type[FakeSimulation]) ->
     tiny.write_text(TINY.replace("35 J/m^2", "0.1 J/m^2"))
     done = call("check", tiny)
     assert done.exit_code == 0
-    assert "warning: a fine contact may be longer than the law allows" in done.stderr
+    assert "warning: discretization.l_f: a fine contact may be longer than the law allows" in done.stderr
     assert "bodies at full resolution  300" in done.stdout
     assert "steps                      50 or more" in done.stdout
     assert not Path("results").exists()

@@ -169,6 +169,7 @@ def simulation(control=None, **output):
     return SimpleNamespace(
         case=case(control, **output),
         full=False,
+        notices=(),
         bodies_start=2,
         bodies_full=40,
         initial_stiffness=1.5e8,

@@ -19,6 +19,7 @@ from fissura.case.model import (
     Specimen,
     Support,
 )
+from fissura.case.plausible import case_notices
 
 __all__ = [
     "Adaptivity",
@@ -39,5 +40,6 @@ __all__ = [
     "Specimen",
     "Support",
     "case_from_dict",
+    "case_notices",
     "load_case",
 ]

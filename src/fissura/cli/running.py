@@ -65,8 +65,8 @@ def check(case: CaseArgument) -> None:
         with warnings(Console(stderr=True)) as shown:
             found = report(load_case(case))
             print_table(found.table())
-            for message in found.warnings:
-                shown.show(message)
+            for notice in found.warnings:
+                shown.show(str(notice))
 
 
 def new(

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fissura.adaptivity.estimate import load_error_bound
-from fissura.errors import InputError
+from fissura.errors import InputError, Notice
 from fissura.results.curve import Curve
 from fissura.results.quantities import length
 
@@ -109,7 +109,14 @@ def build_summary(
         "cpu_refining_s": simulation.cpu_refining,
         "wall_s": wall_s,
         "peak_memory_MB": peak_memory() / 1e6,
-        "warnings": [*warnings_of(curve), *_beyond(case.adaptivity.tolerance, bound)],
+        "warnings": [
+            str(notice)
+            for notice in (
+                *simulation.notices,
+                *refined_late(curve),
+                *_beyond(case.adaptivity.tolerance, bound),
+            )
+        ],
         "versions": versions(),
     }
     return {key: _plain(value) for key, value in summary.items()}
@@ -132,8 +139,8 @@ def _field(simulation: Simulation) -> dict[str, Any] | None:
     }
 
 
-def warnings_of(curve: Curve) -> list[str]:
-    """Sentences about what a reader of the results must know."""
+def refined_late(curve: Curve) -> list[Notice]:
+    """Whether elastic contacts went beyond their strength."""
     used = curve["max_elastic_utilisation"]
     late = np.flatnonzero(used > 1.0)
     if not len(late):
@@ -141,19 +148,27 @@ def warnings_of(curve: Curve) -> list[str]:
     worst = late[np.argmax(used[late])]
     many = f"{len(late)} of {len(used)} steps" if len(late) > 1 else f"1 of {len(used)} steps"
     return [
-        f"elastic contacts reached {used[worst]:.2f} times their strength at step {curve['step'][worst]} "
-        f"(gauge {length(float(curve['gauge_m'][worst]))}): refinement came too late there; "
-        f"they exceeded it in {many}"
+        Notice(
+            "adaptivity.gamma",
+            f"elastic contacts reached {used[worst]:.2f} times their strength at step {curve['step'][worst]} "
+            f"(gauge {length(float(curve['gauge_m'][worst]))}): refinement came too late there; "
+            f"they exceeded it in {many}",
+            "a smaller adaptivity.gamma or a larger adaptivity.r_f refines earlier",
+        )
     ]
 
 
-def _beyond(tolerance: float | None, bound: float | None) -> list[str]:
+def _beyond(tolerance: float | None, bound: float | None) -> list[Notice]:
     """What to say where the error may be larger than a case allows."""
     if tolerance is None or bound is None or bound <= tolerance:
         return []
     return [
-        f"the load may be {bound:.2%} of its peak off full resolution, which is more than adaptivity.tolerance ="
-        f" {tolerance:.2%}: a smaller tolerance refines earlier"
+        Notice(
+            "adaptivity.tolerance",
+            f"the load may be {bound:.2%} of its peak off full resolution, which is more than the {tolerance:.2%} asked"
+            " for",
+            "a smaller tolerance refines earlier",
+        )
     ]
 
 
