@@ -339,6 +339,7 @@ class Simulation:
             control=goal.control,
             load_change=path.load_change,
             spent=spent,
+            utilisation=state.utilisation,
         )
         path.load_change = 0.0
         path.iterations = path.linear_iterations = path.factorizations = path.refinements = path.coarsenings = 0

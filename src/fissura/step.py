@@ -90,6 +90,9 @@ class Step:
         Sizes of all changes of the load that refinement made at a kept gauge since the step before [N].
     spent : (m,) array
         Energy that each contact of the snapshot dissipated in this step [J].
+    utilisation : (m,) array
+        Effective traction over strength of the snapshot's coarse contacts, as the criterion saw it; 0 for fine contacts
+        and in elastic regions.
     """
 
     number: int
@@ -113,3 +116,4 @@ class Step:
     control: str = "gauge"
     load_change: float = 0.0
     spent: FloatArray = field(default_factory=lambda: np.zeros(0))
+    utilisation: FloatArray = field(default_factory=lambda: np.zeros(0))

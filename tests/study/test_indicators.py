@@ -4,20 +4,22 @@ import numpy as np
 import pytest
 
 from fissura.case import case_from_dict
+from fissura.contact import CusatisCedolin
+from fissura.material import material_from_case
 from fissura.simulation import Simulation
 from fissura.study.indicators import OBSERVED, Observer
 
 from .models import CASE
 
 
-def observed(full, **adaptivity):
-    data = tomllib.loads(CASE)
+def observed(full, field=None, **adaptivity):
+    data = tomllib.loads(CASE) | ({} if field is None else {"field": field})
     data["adaptivity"] |= adaptivity
     case = case_from_dict(data)
-    simulation, observer = Simulation(case, full=full), Observer(case, full=full)
+    simulation, observer = Simulation(case, full=full), Observer(case.material.f_t, full=full)
     steps = []
     for step in simulation.steps():
-        observer.add(step, simulation.elastic_scale)
+        observer.add(step)
         steps.append(step)
     return simulation, observer, steps
 
@@ -60,6 +62,27 @@ def test_indicators_are_what_they_say(adaptive):
     changed = sum(step.load_change for step in steps) / max(step.load for step in steps)
     assert found["load_change"][-1] == pytest.approx(changed, rel=1e-12)
     assert changed > 0.0
+
+
+def test_indicators_know_the_random_field():
+    simulation, observer, steps = observed(False, {"length": "20 mm", "cov": 0.3})
+    found, shot, f_t = observer.indicators(), steps[-1].snapshot, simulation.case.material.f_t
+    assert (found["border_utilisation"] <= found["utilisation"] * (1 + 1e-12)).all()
+    # The same from the state, with strengths of its own.
+    contacts, fine = shot.tessellation.contacts, shot.tessellation.fine
+    coarse = np.flatnonzero(~contacts.fine)
+    scale = simulation.field.strength(contacts.centroid[coarse])
+    law = CusatisCedolin.create(material_from_case(simulation.case), np.full(len(coarse), 1e-3), scale)
+    used = law.utilisation(simulation.elastic_scale * shot.strain[coarse])
+    mixed = fine[contacts.bodies[coarse]].any(axis=1)
+    assert found["utilisation"][-1] == pytest.approx(used.max(), rel=1e-12)
+    assert found["border_utilisation"][-1] == pytest.approx(used[mixed].max(), rel=1e-12)
+    bodies = np.unique(contacts.bodies[coarse[mixed]])
+    bodies = bodies[~fine[bodies]]
+    stress = np.linalg.eigvalsh(shot.stress[bodies])[:, -1]
+    strength = f_t * simulation.field.strength(shot.tessellation.x[bodies])
+    assert found["border_stress"][-1] == pytest.approx((stress / strength).max(), rel=1e-12)
+    assert found["border_stress"][-1] != pytest.approx(stress.max() / f_t, rel=1e-2)
 
 
 def test_full_resolution_has_no_indicators():

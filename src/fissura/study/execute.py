@@ -55,11 +55,11 @@ def execute(task: Task, interrupted: Callable[[], bool] = lambda: False) -> Reco
     try:
         require_memory(task.case, full=task.full)
         simulation = Simulation(task.case, full=task.full)
-        observer = Observer(task.case, full=task.full)
+        observer = Observer(task.case.material.f_t, full=task.full)
         for step in simulation.steps():
             seen_cpu, seen_wall = time.process_time(), time.perf_counter()
             rows.append(row(step, seen_cpu - cpu - aside_cpu, seen_wall - wall - aside_wall))
-            observer.add(step, simulation.elastic_scale)
+            observer.add(step)
             aside_cpu += time.process_time() - seen_cpu
             aside_wall += time.perf_counter() - seen_wall
             if interrupted():

@@ -1,6 +1,7 @@
 """What a run can tell about its own error, without a run at full resolution.
 
-All indicators look at the elastic part, which stands for material that could be damaged, or at its border:
+All indicators look at the elastic part, which stands for material that could be damaged, or at its border. Strengths
+are those of the run, with its random field if there is one:
 
 ``utilisation``
     Largest effective traction over strength of elastic contacts.
@@ -31,12 +32,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.contact import CusatisCedolin, law_from_case
-from fissura.material import Regions, elastic_from_case, material_from_case
 from fissura.study.record import Energies
 
 if TYPE_CHECKING:
-    from fissura.case import Case
     from fissura.step import Snapshot, Step
     from fissura.tessellation import Tessellation
 
@@ -68,28 +66,21 @@ class _Zones:
 
     Attributes
     ----------
-    elastic : (e,) array
-        Coarse contacts that could be damaged at full resolution.
-    at_border : (e,) bool array
-        Those of them with a fine body.
+    at_border : (m,) bool array
+        Coarse contacts with a fine body.
     coarse_border : (b,) array
         Coarse bodies that touch a fine one.
     outer : list of two (m,) bool arrays
         Fine contacts within one and two bodies from the border.
-    law : CusatisCedolin
-        Their law, for its strength.
     """
 
-    elastic: IntArray
     at_border: BoolArray
     coarse_border: IntArray
     outer: tuple[BoolArray, BoolArray]
-    law: CusatisCedolin
 
     @classmethod
-    def of(cls, tessellation: Tessellation, regions: Regions, case: Case) -> _Zones:
+    def of(cls, tessellation: Tessellation) -> _Zones:
         contacts, fine = tessellation.contacts, tessellation.fine
-        elastic = np.flatnonzero(~contacts.fine & ~regions.contains(contacts.centroid))
         mixed = fine[contacts.bodies].any(axis=1) & ~contacts.fine
         touched = np.unique(contacts.bodies[mixed])
         first = np.zeros(len(tessellation), dtype=np.bool_)
@@ -98,10 +89,7 @@ class _Zones:
         second = first.copy()
         second[contacts.bodies[near]] = True
         nearer = second[contacts.bodies].any(axis=1) & contacts.fine
-        # Lengths do not matter for strength, but must be such that the law may soften.
-        lengths = np.full(len(elastic), float(contacts.length.min()))
-        law = law_from_case(case).create(material_from_case(case), lengths)
-        return cls(elastic, mixed[elastic], touched[~fine[touched]], (near, nearer), law)
+        return cls(mixed, touched[~fine[touched]], (near, nearer))
 
 
 class Observer:
@@ -109,15 +97,14 @@ class Observer:
 
     Parameters
     ----------
-    case : Case
-        What is run.
+    f_t : float
+        Tensile strength of contacts [Pa], the mean where there is a random field.
     full : bool
         Whether at full resolution, where there are no indicators.
     """
 
-    def __init__(self, case: Case, *, full: bool) -> None:
-        self._case, self._full = case, full
-        self._regions = elastic_from_case(case)
+    def __init__(self, f_t: float, *, full: bool) -> None:
+        self._f_t, self._full = f_t, full
         self._at: Tessellation | None = None
         self._zones: _Zones | None = None
         self._spent: list[tuple[IntArray, FloatArray, FloatArray]] = []
@@ -125,8 +112,8 @@ class Observer:
         self._outer = np.zeros(2)
         self._changed = self._peak = 0.0
 
-    def add(self, step: Step, elastic_scale: float) -> None:
-        """Take note of an accepted step; `elastic_scale` is the factor on the stiffness of coarse contacts."""
+    def add(self, step: Step) -> None:
+        """Take note of an accepted step."""
         tessellation = step.snapshot.tessellation
         contacts = tessellation.contacts
         # Without damage there is round-off only.
@@ -137,23 +124,24 @@ class Observer:
         if self._full:
             return
         if self._zones is None or tessellation is not self._at:
-            self._at, self._zones = tessellation, _Zones.of(tessellation, self._regions, self._case)
+            self._at, self._zones = tessellation, _Zones.of(tessellation)
         self._outer += [float(spent[outer].sum()) for outer in self._zones.outer]
-        self._rows.append(self._values(step, step.snapshot, self._zones, elastic_scale))
+        self._rows.append(self._values(step, step.snapshot, self._zones))
 
-    def _values(self, step: Step, shot: Snapshot, zones: _Zones, elastic_scale: float) -> list[float]:
-        utilisation = zones.law.utilisation(elastic_scale * shot.strain[zones.elastic])
+    def _values(self, step: Step, shot: Snapshot, zones: _Zones) -> list[float]:
+        used = step.utilisation
         contacts = shot.tessellation.contacts
         energy = 0.5 * contacts.area * contacts.length * np.einsum("ca,ca->c", shot.traction, shot.strain)
         self._changed, self._peak = self._changed + step.load_change, max(self._peak, abs(step.load))
-        energy, spent = energy[zones.elastic], max(step.stored + step.dissipated, 1e-300)
+        spent = max(step.stored + step.dissipated, 1e-300)
         stress = np.linalg.eigvalsh(shot.stress[zones.coarse_border])[:, -1]
+        strength = self._f_t if shot.body_factor is None else self._f_t * shot.body_factor[zones.coarse_border]
         return [
             step.max_elastic_utilisation,
-            float(utilisation[zones.at_border].max(initial=0.0)),
-            float(stress.max(initial=0.0)) / self._case.material.f_t,
-            float(energy[utilisation > 0.5].sum()) / spent,
-            float(energy[utilisation > 0.7].sum()) / spent,
+            float(used[zones.at_border].max(initial=0.0)),
+            float((stress / strength).max(initial=0.0)),
+            float(energy[used > 0.5].sum()) / spent,
+            float(energy[used > 0.7].sum()) / spent,
             *(self._outer / spent),
             abs(step.exchanged) / max(abs(step.work), 1e-300),
             self._changed / max(self._peak, 1e-300),
