@@ -78,24 +78,27 @@ class Adaptivity(Part):
             Keys that contradict each other.
         """
         level = self._level() or _DEFAULT
-        gamma = level.gamma if math.isnan(self.gamma) else self.gamma
-        r_f = level.r_f * l_f if math.isnan(self.r_f) else self.r_f
-        r_c = r_f + level.ramp * l_c if math.isnan(self.r_c) else self.r_c
-        r_w = 3.0 * l_f if math.isnan(self.r_w) else self.r_w
+        # What an earlier case resolved was not given, and follows the spacings of this one.
+        given = self.model_fields_set
+        gamma = self.gamma if "gamma" in given else level.gamma
+        r_f = self.r_f if "r_f" in given else level.r_f * l_f
+        r_c = self.r_c if "r_c" in given else r_f + level.ramp * l_c
+        r_w = self.r_w if "r_w" in given else 3.0 * l_f
         if self.tolerance is not None:
             # A case read again from its resolved values gives them beside the tolerance: the same are allowed.
-            given = {"gamma": gamma, "r_f": r_f, "r_c": r_c}
+            found = {"gamma": gamma, "r_f": r_f, "r_c": r_c}
             due = {"gamma": level.gamma, "r_f": level.r_f * l_f, "r_c": level.r_f * l_f + level.ramp * l_c}
             for key, value in due.items():
-                if not math.isclose(given[key], value, rel_tol=1e-9):
+                if not math.isclose(found[key], value, rel_tol=1e-9):
                     fail("is given together with tolerance, which chooses it", f"either tolerance or {key}", key)
         if r_f > r_c:
             fail(f"{r_f:g} m is larger than r_c = {r_c:g} m", "r_f at most r_c", "r_f")
-        gamma_coarse = 0.8 * gamma if math.isnan(self.gamma_coarse) else self.gamma_coarse
+        gamma_coarse = self.gamma_coarse if "gamma_coarse" in given else 0.8 * gamma
         if gamma_coarse >= gamma:
             fail(f"{gamma_coarse:g} is not below gamma = {gamma:g}", "a number below gamma", "gamma_coarse")
-        found = {"gamma": gamma, "r_f": r_f, "r_c": r_c, "r_w": r_w, "gamma_coarse": gamma_coarse}
-        return self.model_copy(update=found)
+        resolved = self.model_copy()
+        resolved.__dict__.update(gamma=gamma, r_f=r_f, r_c=r_c, r_w=r_w, gamma_coarse=gamma_coarse)
+        return resolved
 
     def _level(self) -> Level | None:
         """The coarsest level that keeps the tolerance; None without one."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
@@ -205,6 +206,13 @@ class Case(Part):
     def source(self) -> str | None:
         """Text of the case file; None for a case that was not read from one."""
         return None  # `load_case` puts the text in its place
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Copy with other values, see :meth:`Part.model_copy`; the text of the case file stays with it."""
+        found = super().model_copy(update=update, deep=deep)
+        if "source" in self.__dict__:
+            found.__dict__["source"] = self.source
+        return found
 
     @property
     def quantity(self) -> Literal["gauge", "displacement"]:
