@@ -69,10 +69,9 @@ class Material(Part):
                     fail("is given together with macro", "either macro = { E, nu }, or E and alpha", key)
             # What was given is in `E` and `alpha` now. A case read again from its resolved values is the same case.
             self.__dict__["macro"] = None
-            self.model_fields_set.discard("macro")
             self.model_fields_set.update(("E", "alpha"))
         return self
 
     def _given(self, update: Mapping[str, Any]) -> dict[str, Any]:
-        whole = () if update.get("macro") is None else ("E", "alpha")
-        return {key: value for key, value in super()._given(update).items() if key not in whole}
+        replaced = ("macro",) if update.get("macro") is None else ("E", "alpha")
+        return {key: value for key, value in super()._given(update).items() if key not in replaced}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["ENERGY_PER_AREA", "LENGTH", "NUMBER", "STRESS", "Dimension", "show", "to_si"]
+__all__ = ["ENERGY_PER_AREA", "LENGTH", "NUMBER", "STRESS", "Dimension", "show", "to_si", "told"]
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 _UNIT = re.compile(r"[A-Za-zµμ(][\w µμ/*^·²³().+-]*")
@@ -57,6 +57,10 @@ COMMON: dict[str, dict[str, float]] = {
 }
 
 
+#: Units in which values are told, the largest first.
+_TOLD: dict[str, tuple[str, ...]] = {LENGTH.unit: ("m", "mm", "um"), STRESS.unit: ("GPa", "MPa", "kPa", "Pa")}
+
+
 @cache
 def _registry() -> pint.UnitRegistry[float]:
     """Unit registry of pint, built at first use, for a unit that is not in `COMMON`."""
@@ -72,6 +76,20 @@ def show(value: object) -> str:
     text = f'"{value}"' if isinstance(value, str) else str(value)
     text = " ".join(text.split())
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def told(number: float, dimension: Dimension) -> str:
+    """Return an SI number as text with a unit that suits its size, four digits.
+
+    Examples
+    --------
+    >>> told(60e3, STRESS), told(0.35, LENGTH)
+    ('60 kPa', '350 mm')
+    """
+    units = _TOLD.get(dimension.unit, (dimension.unit,))
+    scales = COMMON[dimension.unit]
+    unit = next((unit for unit in units if scales[unit] <= abs(number)), units[-1])
+    return f"{number / scales[unit]:.4g} {unit}"
 
 
 def to_si(value: Any, dimension: Dimension) -> float:
