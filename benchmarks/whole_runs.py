@@ -66,7 +66,7 @@ def child(name: str, full: bool, steps: int, changes: dict[str, dict[str, Any]])
         "bodies": int(rows[-1]["bodies"]),
         "bodies_start": int(rows[0]["bodies"]),
         "steps": len(rows),
-        "peak_N": max(load),
+        "peak_N": max(load, key=abs),
         "last_N": load[-1],
         "residual": max(row["residual"] for row in rows),
         "most": max(row["iterations"] for row in rows),

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from fissura.adaptivity import ElasticState, transfer_history
 from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, settle
 from fissura.errors import InputError, Notice, RunStopped
+from fissura.specimen import backward_gauge
 from fissura.step import Snapshot, Step
 from fissura.structure import Structure
 
@@ -135,6 +136,8 @@ class Simulation:
             raise InputError(
                 "supports", f"the structure is a mechanism ({error})", "supports that hold all of the specimen"
             ) from error
+        if self.initial_stiffness < 0.0:
+            raise backward_gauge(self.case, system.conditions.control, self.initial_stiffness)
         if structure.compliance is not None:
             off = self.initial_stiffness * structure.compliance - 1.0
             if abs(off) > _STIFFNESS_ERROR:

@@ -210,6 +210,15 @@ def test_peaks_count_of_runs_that_finished_or_are_past_them() -> None:
     assert found.rows["dissipated_energy_J"]["mean"] == 1.5
 
 
+def test_negative_peaks_count_by_their_magnitude() -> None:
+    plus, minus = (summaries("ffssx", lambda k, sign=sign: sign * (50.0 if k == 2 else 99.0)) for sign in (1.0, -1.0))
+    minus = [summary | {"peak_load_N": -summary.get("peak_load_N", np.nan)} for summary in minus]
+    rows = table(minus)
+    assert rows["peak_load_N"][:2].tolist() == [-100.0, -101.0]
+    assert rows["past_peak"].tolist() == table(plus)["past_peak"].tolist() == [False, False, True, False, False]
+    assert statistics(rows, 1).as_dict() == statistics(table(plus), 1).as_dict()
+
+
 def test_statistics_of_nothing_are_nothing() -> None:
     for runs in ("", "x", "xx"):
         found = statistics(table(summaries(runs, lambda k: 0.0)), 1)

@@ -24,6 +24,18 @@ def test_a_run_against_itself_has_no_error(beam):
     assert found.compared
 
 
+def test_signs_of_loads_do_not_matter(beam):
+    """Peaks are those of magnitude."""
+    others = [101.0, 195.0, 152.0, 80.0]
+    plus, minus = (
+        measure(record(beam, sign * np.array(others), variation="default"), record(beam, sign * np.array(LOADS)))
+        for sign in (1.0, -1.0)
+    )
+    assert plus.peak == pytest.approx(-0.025)
+    for name in ("load", "at", "peak", "energy"):
+        assert getattr(minus, name) == pytest.approx(getattr(plus, name), rel=1e-12), name
+
+
 def test_known_differences(beam):
     adaptive = record(
         beam,

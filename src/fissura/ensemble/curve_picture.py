@@ -44,7 +44,7 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
     axes, banded = panels[0], panels[-1]
     paths = result.paths
     x, x_unit = gauge_unit(max(float(path.gauge.max()) for path in paths.values()))
-    y, y_unit = load_unit(max(float(path.load.max()) for path in paths.values()))
+    y, y_unit = load_unit(max(float(np.abs(path.load).max()) for path in paths.values()))
     measured = result.plan.case.output.measured
     if measured is not None and measured.exists():
         fill_measured(axes, read_measured(measured), x, y)
@@ -76,7 +76,7 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
     axes.set_xlim(left=min(0.0, 1.02 * x * min(float(path.gauge.min()) for path in paths.values())))
     for panel in panels:
         tidy(panel)
-        panel.set_ylim(bottom=0.0)
+        panel.set_ylim(bottom=min(0.0, 1.02 * y * min(float(path.load.min()) for path in paths.values())))
         legend(panel, loc="upper right")
     headline(
         axes,

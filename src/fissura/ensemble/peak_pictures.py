@@ -161,7 +161,7 @@ def _figure(peaks: FloatArray) -> tuple[Figure, Axes, float, str]:
 
 
 def _companion_line(axes: Axes, result: EnsembleResult, scale: float) -> None:
-    peaks = result.companions["peak_load_N"]
+    peaks = np.abs(result.companions["peak_load_N"])
     for k, peak in enumerate(peaks[np.isfinite(peaks)]):
         alone = len(peaks) == 1
         axes.axvline(

@@ -87,7 +87,7 @@ class EnsembleResult:
 
     @property
     def peaks(self) -> FloatArray:
-        """Peak loads [N] of the runs whose peak counts, in order of number; see `Statistics`."""
+        """Magnitudes of the peak loads [N] of the runs that count, in order of number; see `Statistics`."""
         return self.statistics.peaks
 
     @cached_property
@@ -175,7 +175,7 @@ class EnsembleResult:
                 rows.append((f"{name} fit", f"{values}; p = {fit.p_value:.2f}"))
         elif peak["n"] == 1:
             rows.append(("peak load", text.force(peak["mean"])))
-        counted = self.companions["peak_load_N"][self.companions["status"] == "finished"]
+        counted = np.abs(self.companions["peak_load_N"][self.companions["status"] == "finished"])
         if len(counted):
             note = "" if len(counted) == 1 else f" (mean of {len(counted)})"
             rows.append(("deterministic peak", text.force(float(counted.mean())) + note))

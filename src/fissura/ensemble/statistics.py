@@ -39,7 +39,7 @@ class Statistics:
     numbers : (n,) array
         Their numbers.
     peaks : (n,) array
-        Their peak loads [N], in order of number.
+        Magnitudes of their peak loads [N], in order of number.
     fits : dict of str to Fit
         By name of the family; lacks what cannot be fitted.
     convergence : Convergence
@@ -86,7 +86,7 @@ def statistics(runs: Table, master: int) -> Statistics:
     """
     finished = runs["status"] == "finished"
     counted = np.isfinite(runs["peak_load_N"]) & (finished | runs["past_peak"])
-    peaks = runs["peak_load_N"][counted]
+    peaks = np.abs(runs["peak_load_N"][counted])
     fits = {}
     for k, family in enumerate(FAMILIES):
         found = fit(family, peaks, np.random.default_rng(spawned(master, k, RESAMPLING)))
@@ -97,6 +97,7 @@ def statistics(runs: Table, master: int) -> Statistics:
     for name in QUANTITIES:
         of = counted if name.endswith("peak_m") or name.startswith("peak") else finished
         values = select(runs, of)[name].astype(np.float64)
+        values = np.abs(values) if name == "peak_load_N" else values
         rows[name] = _describe(values[np.isfinite(values)])
     return Statistics(counted, runs["number"][counted], peaks, fits, convergence(peaks), rows)
 

@@ -50,7 +50,7 @@ COLUMNS: dict[str, type] = {
 """Columns in order, with their types; the part after the last underscore is the unit, if there is one."""
 
 PAST_PEAK = 0.8
-"""A run is past its peak when its last load is at most this part of its largest one."""
+"""A run is past its peak when the magnitude of its last load is at most this part of that of its peak."""
 
 _UNKNOWN: dict[type, Any] = {str: "", int: -1, float: math.nan, bool: False}
 
@@ -80,7 +80,7 @@ def _row(summary: Mapping[str, Any]) -> dict[str, Any]:
         "number": about.get("number"),
         "field_seed": about.get("field_seed"),
         "load_at_end_N": end,
-        "past_peak": peak is not None and end is not None and end <= PAST_PEAK * peak,
+        "past_peak": peak is not None and end is not None and abs(end) <= PAST_PEAK * abs(peak),
         "error": summary.get("message"),
         **{f"crack_start_{name}": start.get(name) for name in ("x_m", "y_m", "z_m", "gauge_m", "load_N")},
     }

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fissura.errors import InputError
 from fissura.results import quantities as text
 from fissura.results.path import LoadPath
+from fissura.results.peak import peak_position
 from fissura.results.result import Result
 
 __all__ = ["Comparison", "compare", "compare_results"]
@@ -42,11 +43,11 @@ class Comparison:
         first turns back are those at the same gauge, and the abscissa has the energy of B at it: where damage begins
         the load over energy is so steep that steps of other lengths would count as a difference of the runs.
     max_load_difference : float
-        Largest absolute load difference over ``abscissa``, over the peak of B.
+        Largest absolute load difference over ``abscissa``, over the magnitude of the peak of B.
     at_max_difference : float
         Where that is [m or J].
     peaks, gauges_at_peak : (float, float)
-        Largest loads of A and B up to the common end [N], and the gauges at which they occur [m].
+        Loads of largest magnitude of A and B up to the common end [N], and the gauges at which they occur [m].
     peak_difference, gauge_at_peak_difference : float
         Of these.
     energy_difference : float
@@ -198,10 +199,10 @@ def _by_gauge_before_turning(
 
 
 def _peak(x: FloatArray, of: FloatArray, end: float) -> tuple[float, float]:
-    """Largest load up to an end, and the gauge there."""
+    """Load of largest magnitude up to an end, and the gauge there."""
     at = np.append(x[x < end], end)
     loads = np.interp(at, x, of[0])
-    k = loads.argmax()
+    k = peak_position(loads)
     return float(loads[k]), float(np.interp(at[k], x, of[1]))
 
 

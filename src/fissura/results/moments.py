@@ -15,6 +15,7 @@ from fissura.errors import InputError
 from fissura.results import quantities as text
 from fissura.results.history import Frame, read_history
 from fissura.results.panels import draw_curve, draw_scales
+from fissura.results.peak import peak_position
 from fissura.results.pictures import BLUE, DPI, INK, gauge_unit, load_unit
 from fissura.results.result import Result
 from fissura.results.stage import Stage, look_of
@@ -64,7 +65,7 @@ def moments(frames: Sequence[Frame]) -> list[Moment]:
         All steps of a run.
     """
     load = np.array([abs(frame.load) for frame in frames])
-    peak, last = int(load.argmax()), len(frames) - 1
+    peak, last = peak_position(load), len(frames) - 1
     changed = [k for k in range(1, peak) if frames[k].section is not frames[0].section]
     if changed:
         second, names = changed[0], ("before refinement", "first refinement")

@@ -10,6 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from fissura.results.peak import peak_position
 from fissura.results.pictures import BLUE, INK, ORANGE, gauge_name, gauge_unit, load_unit, tidy
 from fissura.results.stage import COARSE, EDGE, FINE, HEAT, TENSION, Look
 
@@ -39,7 +40,8 @@ def draw_curve(axes: Axes, result: Result) -> None:
             label="refinement",
             zorder=2,
         )
-        falls = load.argmax() < len(load) - 1 and gauge[load.argmax()] < 0.5 * gauge.max()
+        peak = peak_position(load)
+        falls = peak < len(load) - 1 and gauge[peak] < 0.5 * gauge.max()
         corner: dict[str, Any] = (
             {"loc": "upper right", "bbox_to_anchor": (1.0, 0.97)}
             if falls

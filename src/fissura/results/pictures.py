@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from fissura.results import quantities as text
 from fissura.results.measured import MeasuredBand, read_measured
+from fissura.results.peak import peak_position
 from fissura.results.result import Result
 
 if TYPE_CHECKING:
@@ -99,13 +100,14 @@ def plot_curve(result: Result, path: Path) -> None:
         )
     farthest = 1.02 * float(gauge.max())
     axes.set_xlim(min(0.0, 1.02 * float(gauge.min()) * x_scale), farthest * x_scale if farthest > 0 else None)
+    peak = peak_position(load)
     # Headroom for the note at the peak; the part of the band beyond the run counts, too, where it shows.
     top = max(float(load.max()) * y_scale, 0.0)
     if result.case.output.measured is not None:
         seen = band.gauge <= farthest
         top = max(top, float(np.max(band.upper[seen], initial=0.0)) * y_scale)
     axes.set_ylim(min(0.0, 1.08 * float(load.min()) * y_scale), 1.16 * top if top > 0 else None)
-    _note_peak(axes, float(gauge[load.argmax()]), float(load.max()), x_scale, y_scale)
+    _note_peak(axes, float(gauge[peak]), float(load[peak]), x_scale, y_scale)
     tidy(axes)
     axes.set_xlabel(f"{gauge_name(result)} [{x_unit}]")
     axes.set_ylabel(f"load [{y_unit}]")
@@ -121,7 +123,8 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
     upper, lower = figure.subplots(2, 1, sharex=by_gauge, height_ratios=(3, 1))
     a, b = comparison.a, comparison.b
     x_scale, x_unit = gauge_unit(max(float(a.gauge.max()), float(b.gauge.max())))
-    y_scale, y_unit = load_unit(comparison.peaks[1])
+    reference = abs(comparison.peaks[1])
+    y_scale, y_unit = load_unit(reference)
     for run, colour, style, width in ((b, GREY, "-", 3.6), (a, BLUE, "-", 1.4)):
         upper.plot(
             np.append(0.0, run.gauge) * x_scale,
@@ -131,7 +134,6 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
             linewidth=width,
             label=f"{'A' if run is a else 'B'}: {_kind(run)}",
         )
-    reference = comparison.peaks[1]
     share = 100 * (comparison.load_a - comparison.load_b) / reference if reference else 0 * comparison.load_b
     over_scale, over_unit = (x_scale, x_unit) if by_gauge else energy_unit(float(comparison.abscissa[-1]))
     over = comparison.abscissa * over_scale
@@ -227,10 +229,11 @@ def _note_peak(axes: Axes, gauge: float, load: float, x_scale: float, y_scale: f
 
 def _legend(axes: Axes, gauge: FloatArray, load: FloatArray) -> None:
     """Legend in the corner that the curve leaves free: below a rising curve, above a falling one."""
-    falls = load[-1] < 0.6 * load.max()
+    peak = peak_position(load)
+    falls = abs(load[-1]) < 0.6 * abs(load[peak])
     anchor: dict[str, Any] = (
         {"loc": "upper right", "bbox_to_anchor": (1.0, 0.9)}
-        if falls and gauge[load.argmax()] < 0.5 * gauge.max()
+        if falls and gauge[peak] < 0.5 * gauge.max()
         else {"loc": "lower right", "bbox_to_anchor": (1.0, 0.06)}
     )
     legend(axes, **anchor)

@@ -98,7 +98,7 @@ class Recorder:
         values = row(step, self._cpu(), self._wall())
         self._rows.append(values)
         self._last = step
-        if self._peak is None or step.load > self._peak.load:
+        if self._peak is None or abs(step.load) > abs(self._peak.load):
             self._peak = step
         due = self._due(self._done.after(step))
         if due:

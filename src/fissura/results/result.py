@@ -103,12 +103,12 @@ class Result:
 
     @property
     def peak_load(self) -> float:
-        """Largest load [N]; nan without steps."""
+        """Load of largest magnitude, with its sign [N]; nan without steps."""
         return self._number("peak_load_N")
 
     @property
     def gauge_at_peak(self) -> float:
-        """Gauge at the largest load [m]; nan without steps."""
+        """Gauge at the peak load [m]; nan without steps."""
         return self._number("gauge_at_peak_m")
 
     @property

@@ -18,6 +18,7 @@ import numpy as np
 from fissura.adaptivity.estimate import load_error_bound
 from fissura.errors import InputError, Notice
 from fissura.results.curve import Curve
+from fissura.results.peak import negative_before_peak, peak_position
 from fissura.results.quantities import length
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def build_summary(
     """
     case = simulation.case
     steps = len(curve["step"])
-    peak = int(np.argmax(curve["load_N"])) if steps else None
+    peak = peak_position(curve["load_N"]) if steps else None
     iterations, work = int(curve["iterations"].sum()), _last(curve, "work_J")
     stored, dissipated, exchanged = (_last(curve, f"{name}_J") for name in ("stored", "dissipated", "exchanged"))
     used = _largest(curve["max_elastic_utilisation"])
@@ -113,6 +114,7 @@ def build_summary(
             str(notice)
             for notice in (
                 *simulation.notices,
+                *(negative_before_peak(curve["load_N"], curve["gauge_m"]) if steps else ()),
                 *refined_late(curve),
                 *_beyond(case.adaptivity.tolerance, bound),
             )

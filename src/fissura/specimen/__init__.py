@@ -7,12 +7,22 @@ from typing import TYPE_CHECKING
 from fissura.errors import InputError
 from fissura.specimen.box import Box
 from fissura.specimen.conditions import Conditions, Functional, conditions_from_case
+from fissura.specimen.direction import backward_gauge
 from fissura.specimen.notch import Notch
 
 if TYPE_CHECKING:
     from fissura.case import Case
 
-__all__ = ["SHAPES", "Box", "Conditions", "Functional", "Notch", "conditions_from_case", "specimen_from_case"]
+__all__ = [
+    "SHAPES",
+    "Box",
+    "Conditions",
+    "Functional",
+    "Notch",
+    "backward_gauge",
+    "conditions_from_case",
+    "specimen_from_case",
+]
 
 #: Shapes by the name that a case file gives; each is built by its ``from_case``.
 SHAPES: dict[str, type[Box]] = {"box": Box}

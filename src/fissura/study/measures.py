@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from fissura.adaptivity import load_error_bound
 from fissura.errors import InputError
 from fissura.results.compare import compare_results
+from fissura.results.peak import peak_position
 from fissura.study.indicators import INDICATORS
 from fissura.study.record import Energies, Record
 
@@ -131,10 +132,10 @@ def measure(adaptive: Record, full: Record) -> Measures:
     except InputError as error:
         return Measures(*head[:-1], message or error.problem)
     l_f = float(full.case["discretization"]["l_f"])
-    peak_at = int(full.curve["load_N"].argmax())
+    peak_at = peak_position(full.curve["load_N"])
     key = "gauge_m" if found.over == "gauge" else "dissipated_J"
     after = found.at_max_difference > full.curve[key][peak_at]
-    load_there = float(np.interp(found.at_max_difference, found.abscissa, found.load_b)) / found.peaks[1]
+    load_there = float(np.interp(found.at_max_difference, found.abscissa, found.load_b) / found.peaks[1])
     summary = adaptive.summary
     cpu, cpu_full = float(summary["cpu_s"]), float(full.summary["cpu_s"])
     return Measures(
