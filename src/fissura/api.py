@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.case import Case, load_case
+from fissura.case.types import whole
+from fissura.case.units import show
 from fissura.errors import InputError, RunStopped
 from fissura.memory import require_memory
 
@@ -115,9 +117,10 @@ def with_seed(case: Case, seed: int) -> Case:
     InputError
         If the seed is not a whole number, 0 or larger.
     """
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
-        raise InputError("seed", f"{seed!r} is not possible", "a whole number, 0 or larger")
-    return case.model_copy(update={"seed": seed})
+    number = whole(seed)
+    if number is None or not 0 <= number < 2**63:
+        raise InputError("seed", f"{show(seed)} is not possible", "a whole number, 0 or larger")
+    return case.model_copy(update={"seed": number})
 
 
 def prepare_folder(folder: str | Path, *, overwrite: bool) -> Path:

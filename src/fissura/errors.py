@@ -2,9 +2,39 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
-__all__ = ["EnsembleStopped", "FissuraError", "InputError", "Notice", "RunStopped"]
+__all__ = ["EnsembleStopped", "FissuraError", "InputError", "Notice", "RunStopped", "one_line"]
+
+#: Most characters of a key, and of what is wrong and allowed, in a message.
+_LONGEST_KEY, _LONGEST_TEXT = 300, 1000
+
+_BREAK = re.compile(r"\s*[^\S ]\s*")
+
+
+def one_line(text: str, longest: int) -> str:
+    r"""A text as one line that any terminal and any file can show: other characters escaped, its middle left out.
+
+    Parameters
+    ----------
+    text : str
+        Any text; parts of it may come from a file.
+    longest : int
+        Most characters of the result, at least 10.
+
+    Examples
+    --------
+    >>> one_line("a\nb" + 100 * "c", 10)
+    'a b...cccc'
+    """
+    if len(text) > 4 * longest:  # what comes next should not go through millions of characters
+        text = text[: 2 * longest] + text[-2 * longest :]
+    text = _BREAK.sub(" ", text).strip()
+    if not text.isprintable():
+        text = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    head = (longest - 3) // 2
+    return text if len(text) <= longest else f"{text[:head]}...{text[len(text) - (longest - 3 - head) :]}"
 
 
 @dataclass(frozen=True)
@@ -51,13 +81,17 @@ class InputError(FissuraError):
         What is wrong, with the offending value.
     allowed : str, optional
         What would be right.
+
+    Notes
+    -----
+    The attributes of these names are one line each and not too long, whatever a file or a caller says.
     """
 
     def __init__(self, key: str, problem: str, allowed: str = "") -> None:
-        self.key = key
-        self.problem = problem
-        self.allowed = allowed
-        super().__init__(f"{key}: {problem}" + (f" (allowed: {allowed})" if allowed else ""))
+        self.key = one_line(key, _LONGEST_KEY)
+        self.problem = one_line(problem, _LONGEST_TEXT)
+        self.allowed = one_line(allowed, _LONGEST_TEXT)
+        super().__init__(f"{self.key}: {self.problem}" + (f" (allowed: {self.allowed})" if self.allowed else ""))
 
 
 class RunStopped(FissuraError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Mapping
 from typing import Any, get_args
 
@@ -55,8 +56,7 @@ def input_error(error: ValidationError, model: type[BaseModel], data: Mapping[st
 def _describe(item: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any]) -> tuple[str, str, str]:
     """Key, problem and what is allowed."""
     context: dict[str, Any] = item.get("ctx", {})
-    inner = tuple(part for part in str(context.get("key", "")).split(".") if part)
-    location = _as_written((*item["loc"], *inner), data)
+    location = _as_written((*item["loc"], *context.get("key", ())), data)
     key = _dotted(location)
     value = item["input"]
     kind = item["type"]
@@ -105,8 +105,13 @@ def _as_written(location: Location, data: Any) -> Location:
 
 def _dotted(location: Location) -> str:
     """Write a location as in a case file: ``supports[1].at``."""
-    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
+    text = "".join(f"[{part}]" if isinstance(part, int) else f".{_bare(part)}" for part in location)
     return text.removeprefix(".") or "case"
+
+
+def _bare(key: str) -> str:
+    """A key as a file may write it: in quotes unless it has letters, digits, dashes and underscores only."""
+    return key if re.fullmatch(r"[A-Za-z0-9_-]{1,100}", key) else show(key)
 
 
 def _models(model: type[BaseModel], location: Location) -> list[type[BaseModel]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from numbers import Integral
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn
 
@@ -39,6 +40,8 @@ __all__ = [
     "derived",
     "fail",
     "instead",
+    "listed",
+    "whole",
 ]
 
 Axis = Literal["x", "y", "z"]
@@ -46,22 +49,22 @@ LARGEST_INTEGER = 2**63 - 1
 _WAITING, _MISSING = object(), object()
 
 
-def fail(problem: str, allowed: str = "", key: str = "") -> NoReturn:
+def fail(problem: str, allowed: str = "", key: str | tuple[int | str, ...] = ()) -> NoReturn:
     """Raise the error that `fissura.case.report` turns into the message for the user.
 
     Parameters
     ----------
     problem, allowed : str
         What is wrong and what would be right.
-    key : str, optional
-        Key inside the model being validated, dotted; empty for the value itself.
+    key : str or tuple, optional
+        Key inside the model being validated, or the keys and indices that lead to it; empty for the value itself.
 
     Raises
     ------
     PydanticCustomError
         Always.
     """
-    context = {"problem": problem, "allowed": allowed, "key": key}
+    context = {"problem": problem, "allowed": allowed, "key": (key,) if isinstance(key, str) else key}
     raise PydanticCustomError("fissura", "{problem}", context)
 
 
@@ -148,24 +151,39 @@ def _integer(smallest: int) -> Callable[[Any], int]:
     allowed = f"a whole number, {smallest} or larger"
 
     def validate(value: Any) -> int:
-        if isinstance(value, bool) or not isinstance(value, int):
+        number = whole(value)
+        if number is None:
             fail(f"{show(value)} is not a whole number", allowed)
-        if not smallest <= value <= LARGEST_INTEGER:
-            fail(f"{show(value)} is {'too small' if value < smallest else 'too large'}", allowed)
-        return value
+        if not smallest <= number <= LARGEST_INTEGER:
+            fail(f"{show(value)} is {'too small' if number < smallest else 'too large'}", allowed)
+        return number
 
     return validate
 
 
+def whole(value: Any) -> int | None:
+    """A whole number of Python or NumPy as one of Python; None for anything else, truth values included."""
+    return int(value) if not isinstance(value, bool) and isinstance(value, Integral) else None
+
+
+def listed(value: Any) -> Any:
+    """A tuple or an array as a list; anything else as it is."""
+    if isinstance(value, tuple):
+        return list(value)
+    found = value.tolist() if hasattr(value, "tolist") else value  # arrays, without loading NumPy to ask
+    return found if isinstance(found, list) else value
+
+
 def _flag(value: Any) -> bool:
-    if not isinstance(value, bool):
+    if type(value).__name__ not in ("bool", "bool_"):  # Python's and NumPy's
         fail(f"{show(value)} is neither true nor false", "true or false")
-    return value
+    return bool(value)
 
 
 def _three(what: str) -> Callable[[Any], Any]:
     def validate(value: Any) -> Any:
-        if not isinstance(value, (list, tuple)):
+        value = listed(value)
+        if not isinstance(value, list):
             fail(f"{show(value)} is not a list", f"a list of three {what}")
         if len(value) != 3:
             fail(f"the list has {len(value)} entries", f"a list of three {what}")
@@ -212,7 +230,8 @@ def _file(value: Any, info: ValidationInfo) -> Path:
 
 def _one_or_three(value: Any) -> Any:
     """Take one length where three may stand as a list of one."""
-    if not isinstance(value, (list, tuple)):
+    value = listed(value)
+    if not isinstance(value, list):
         return (_quantity(LENGTH, 0.0)(value),)
     if len(value) not in (1, 3):
         fail(f"the list has {len(value)} entries", "one length, or a list of three")
@@ -221,7 +240,8 @@ def _one_or_three(value: Any) -> Any:
 
 def _numbers(value: Any) -> tuple[float, ...]:
     allowed = "a list of numbers such as [0.3, -1.2]"
-    if not isinstance(value, (list, tuple)):
+    value = listed(value)
+    if not isinstance(value, list):
         fail(f"{show(value)} is not a list", allowed)
     try:
         return tuple(to_si(item, NUMBER) for item in value)

@@ -4,18 +4,31 @@ from __future__ import annotations
 
 import math
 import re
+import reprlib
 from dataclasses import dataclass
 from functools import cache
+from numbers import Real
 from typing import TYPE_CHECKING, Any
+
+from fissura.errors import one_line
 
 if TYPE_CHECKING:
     import pint
 
 __all__ = ["ENERGY_PER_AREA", "LENGTH", "NUMBER", "STRESS", "Dimension", "show", "to_si", "told"]
 
-_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
-_UNIT = re.compile(r"[A-Za-zµμ(][\w µμ/*^·²³().+-]*")
-_LONGEST = 80
+_QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
+_LONGEST, _LONGEST_SHOWN = 80, 60
+
+#: A unit: names of units with an exponent of one digit each, joined by signs or blanks, in brackets if need be. Nothing
+#: else reaches the units library, which would compute powers of any size.
+_FACTOR = r"[A-Za-zµμ]+(?:(?:\^|\*\*)?[+-]?[0-9](?![0-9])|[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹])?"
+_JOINED = rf"{_FACTOR}(?: ?(?:[*·⋅/] ?)?{_FACTOR})*"
+_TERM = rf"(?:{_FACTOR}|\( ?{_JOINED} ?\))"
+_UNIT = re.compile(rf"{_TERM}(?: ?(?:[*·⋅/] ?)?{_TERM})*")
+_EXPONENT = re.compile(r"(?<=[A-Za-zµμ])(?:\^|\*\*)?([+-]?[0-9])")
+#: Moments as engineers write them; the units library would read nanometres, or nothing at all.
+_MOMENT = re.compile(r"(?<![A-Za-zµμ])([kM]?N)([cm]?m)(?![A-Za-zµμ])")
 
 
 @dataclass(frozen=True)
@@ -53,7 +66,16 @@ NUMBER = Dimension("a number", "", "0.2")
 COMMON: dict[str, dict[str, float]] = {
     LENGTH.unit: {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9},
     STRESS.unit: {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm^2": 1e6, "N/mm²": 1e6},
-    ENERGY_PER_AREA.unit: {"J/m^2": 1.0, "J/m²": 1.0, "J/m2": 1.0, "N/m": 1.0, "N/mm": 1e3},
+    ENERGY_PER_AREA.unit: {
+        "J/m^2": 1.0,
+        "J/m²": 1.0,
+        "J/m2": 1.0,
+        "N/m": 1.0,
+        "N/mm": 1e3,
+        "Nm/m^2": 1.0,
+        "Nm/m²": 1.0,
+        "Nm/m2": 1.0,
+    },
 }
 
 
@@ -70,12 +92,35 @@ def _registry() -> pint.UnitRegistry[float]:
 
 
 def show(value: object) -> str:
-    """Return a value as it looks in a case file, shortened to one readable line."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    text = f'"{value}"' if isinstance(value, str) else str(value)
-    text = " ".join(text.split())
-    return text if len(text) <= 60 else text[:57] + "..."
+    """Return a value as it looks in a case file, shortened to one readable line; any value can be shown."""
+    if type(value).__name__ in ("bool", "bool_"):  # Python's and NumPy's
+        text = "true" if value else "false"
+    elif isinstance(value, str):
+        text = f'"{one_line(value, _LONGEST_SHOWN - 2)}"'
+    elif isinstance(value, int) and value.bit_length() > 1000:  # Python refuses to write out the longest ones
+        return f"a whole number of about {round(value.bit_length() * math.log10(2.0))} digits"
+    elif isinstance(value, float):
+        text = str(value)  # that of NumPy would name its type
+    elif isinstance(value, (list, tuple, dict)):
+        text = _SHOWN.repr(value)  # that of the value itself may be nested too deeply, or hold such numbers
+    else:
+        try:
+            text = str(value)
+        except Exception:
+            text = f"an object of type {type(value).__name__}"
+    return one_line(text, _LONGEST_SHOWN)
+
+
+class _Shown(reprlib.Repr):
+    """Representation of nested values that is short and always works."""
+
+    def repr_int(self, x: int, level: int) -> str:
+        """Write a whole number."""
+        return show(x)
+
+
+_SHOWN = _Shown()
+_SHOWN.maxlevel = 3
 
 
 def told(number: float, dimension: Dimension) -> str:
@@ -121,7 +166,7 @@ def to_si(value: Any, dimension: Dimension) -> float:
     """
     if isinstance(value, str):
         number = _parse(value, dimension)
-    elif isinstance(value, (int, float)) and not isinstance(value, bool):
+    elif not isinstance(value, bool) and isinstance(value, Real):  # NumPy's numbers, too
         try:
             number = float(value)
         except OverflowError:
@@ -170,14 +215,15 @@ def _scale(unit: str, due: str) -> float | None:
 
 def _parsed_scale(unit: str, due: str) -> float | None:
     """SI value of any unit that pint knows, in the manner of `_scale`."""
-    registry = _registry()
+    unit = " ".join(unit.split())
     if _UNIT.fullmatch(unit) is None:
         return None
-    for text in (unit, re.sub(r"(?<=[A-Za-zµμ])(?=\d)", "^", unit)):  # second try: J/m2
-        try:
-            parsed = registry.parse_units(text)
-            right = parsed.dimensionality == registry.parse_units(due).dimensionality
-            return float(registry.Quantity(1.0, parsed).to(due).magnitude) if right else math.nan
-        except Exception:  # pint raises whatever its tokenizer meets: the user needs one message
-            continue
-    return None
+    text = _EXPONENT.sub(r"**\1", _MOMENT.sub(r"\1*\2", unit))  # J/m2, J m-2
+    registry = _registry()
+    try:
+        parsed = registry.parse_units(text)
+        right = parsed.dimensionality == registry.parse_units(due).dimensionality
+        scale = float(registry.Quantity(1.0, parsed).to(due).magnitude) if right else math.nan
+    except Exception:  # pint raises whatever its tokenizer meets: the user needs one message
+        return None
+    return scale if scale != 0.0 and not math.isinf(scale) else None

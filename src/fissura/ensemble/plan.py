@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.case import Case
+from fissura.case.types import whole
+from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["LEADING_MODES", "Companions", "Kind", "Mode", "Plan", "Sampling", "Task", "spawned"]
+__all__ = ["LEADING_MODES", "Companions", "Kind", "Mode", "Plan", "Sampling", "Task", "spawned", "whole_number"]
 
 FloatArray = NDArray[np.float64]
 
@@ -126,9 +128,12 @@ class Plan:
     keep: bool = False
 
     def __post_init__(self) -> None:
-        _whole("--runs", self.runs, 1)
-        _whole("--seed", self.master, 0)
-        _whole("--leading-modes", self.leading_modes, 1)
+        for option, name, least in (
+            ("--runs", "runs", 1),
+            ("--seed", "master", 0),
+            ("--leading-modes", "leading_modes", 1),
+        ):
+            object.__setattr__(self, name, whole_number(option, getattr(self, name), least))
         for option, value, names in (
             ("--mode", self.mode, Mode),
             ("--sampling", self.sampling, Sampling),
@@ -206,6 +211,15 @@ def _seed(sequence: np.random.SeedSequence) -> int:
     return int(sequence.generate_state(1, np.uint64)[0] >> np.uint64(64 - SEED_BITS))
 
 
-def _whole(option: str, value: int, least: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**63:
-        raise InputError(option, f"{value!r} is not possible", f"a whole number, {least} or larger")
+def whole_number(option: str, value: int, least: int) -> int:
+    """A whole number of Python or NumPy, as one of Python.
+
+    Raises
+    ------
+    InputError
+        It is something else, smaller than ``least``, or too large.
+    """
+    number = whole(value)
+    if number is None or not least <= number < 2**63:
+        raise InputError(option, f"{show(value)} is not possible", f"a whole number, {least} or larger")
+    return number

@@ -11,7 +11,7 @@ from typing import Any
 from fissura.case import Case, load_case
 from fissura.ensemble.cluster import check_scheduler, connected, outcomes, require_dask, workers_that_fit
 from fissura.ensemble.outcome import Outcome
-from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling, Task
+from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling, Task, whole_number
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
@@ -114,9 +114,8 @@ def run_ensemble(
         keep,
     )
     plan = replace(plan, leading_modes=_leading_modes(plan, leading_modes))
-    for option, number in (("--workers", workers), ("--threads-per-worker", threads_per_worker)):
-        if number is not None and (isinstance(number, bool) or not isinstance(number, int) or number < 1):
-            raise InputError(option, f"{number!r} is not possible", "a whole number, 1 or larger")
+    workers = None if workers is None else whole_number("--workers", workers, 1)
+    threads_per_worker = whole_number("--threads-per-worker", threads_per_worker, 1)
     if scheduler is not None and workers is not None:
         raise InputError(
             "--workers", "is given together with --scheduler", "one of them: the scheduler has its workers"

@@ -96,26 +96,26 @@ class Plan(Part):
                 fail("the list is empty", f"at least one table [[{key}]]", key)
             for k, name in enumerate(names):
                 if not re.fullmatch(r"\w[\w +\-.=,%]{0,59}", name) or name.endswith((" ", ".")):
-                    fail(f"{name!r} cannot name a file", _NAME, f"{key}[{k}].name")
+                    fail(f"{name!r} cannot name a file", _NAME, (key, k, "name"))
                 # Records of runs are files: names that differ in blanks or capitals only may name the same file.
                 earlier = next((other for other in names[:k] if _file_name(other) == _file_name(name)), None)
                 if earlier is not None:
                     problem = f"{name!r} is the name of two" if earlier == name else f"{name!r} is too near {earlier!r}"
-                    fail(problem, "a name of its own for each", f"{key}[{k}].name")
+                    fail(problem, "a name of its own for each", (key, k, "name"))
                 if _file_name(name) == FULL:
-                    fail(f"{name!r} is the name of the run at full resolution", "another name", f"{key}[{k}].name")
+                    fail(f"{name!r} is the name of the run at full resolution", "another name", (key, k, "name"))
         known = [entry.name for entry in self.specimens]
         for k, variation in enumerate(self.variations):
             for name in variation.specimens or ():
                 if name not in known:
-                    fail(f"{name!r} is not known", ", ".join(known), f"variations[{k}].specimens")
+                    fail(f"{name!r} is not known", ", ".join(known), ("variations", k, "specimens"))
             for table, value in variation.change.items():
                 if table not in _VARIED or not isinstance(value, Mapping):
-                    fail("changes the specimen", f"keys of {', '.join(_VARIED)}", f"variations[{k}].change.{table}")
+                    fail("changes the specimen", f"keys of {', '.join(_VARIED)}", ("variations", k, "change", table))
             for table, key in _FIXED:
                 if key in variation.change.get(table, {}):
                     problem = "changes the run at full resolution, too"
-                    fail(problem, "another specimen with this change", f"variations[{k}].change.{table}.{key}")
+                    fail(problem, "another specimen with this change", ("variations", k, "change", table, key))
         return self
 
 
