@@ -138,7 +138,8 @@ def _field(case: Case) -> Iterable[Notice]:
     if min(part.length) < l_f:
         yield Notice(
             "field.length",
-            f"{told(min(part.length), LENGTH)} is less than l_f = {told(l_f, LENGTH)}: contacts do not see how it varies",
+            f"{told(min(part.length), LENGTH)} is less than l_f = {told(l_f, LENGTH)}, so that contacts do not see how"
+            " the field varies",
             "a length of l_f or more",
         )
 
