@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+import fissura.ensemble.report as report
 from changes import ABSENT, TINY_BEAM, replaced
 from fissura.case import Case, case_from_dict
 
@@ -39,3 +40,9 @@ def tiny_file(tmp_path: Path) -> Path:
     path = tmp_path / "tiny.toml"
     path.write_text(TINY)
     return path
+
+
+@pytest.fixture
+def few_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw one picture only, to save time."""
+    monkeypatch.setattr(report, "PICTURES", {"convergence": report.PICTURES["convergence"]})

@@ -20,7 +20,6 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-import fissura.ensemble.report as report
 import fissura.ensemble.runner as runner
 from fissura.case import Case
 from fissura.cli import app
@@ -65,12 +64,6 @@ def inline(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(runner, "connected", connected)
     monkeypatch.setattr(runner, "outcomes", lambda client, tasks: map(compute, tasks))
-
-
-@pytest.fixture
-def few_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw one picture only, to save time."""
-    monkeypatch.setattr(report, "PICTURES", {"convergence": report.PICTURES["convergence"]})
 
 
 def check_page(folder: Path, pictures: int) -> str:
@@ -269,7 +262,7 @@ def test_arguments_that_do_not_go_together(tiny: Build, tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("package", ["distributed", "pyarrow"])
+@pytest.mark.parametrize("package", ["distributed", "pyarrow", "cryptography"])
 def test_a_missing_extra_is_named(
     tiny_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, package: str
 ) -> None:

@@ -17,6 +17,7 @@ from fissura.threads import threads_each, usable_processors
 
 if TYPE_CHECKING:
     from distributed import Client
+    from distributed.deploy.cluster import Cluster
 
     from fissura.case import Case
 
@@ -37,9 +38,15 @@ _REACH = 10.0
 _POLL, _HEAL = 0.02, 2.0
 
 
-def require_dask() -> None:
-    """Raise InputError if what ensembles need beyond a single run is not installed."""
-    for package in ("dask", "distributed", "pyarrow", "jinja2"):
+def require_dask(*, local: bool) -> None:
+    """Raise InputError if what ensembles need beyond a single run is not installed.
+
+    Parameters
+    ----------
+    local : bool
+        Whether they run in processes of this machine, which need credentials.
+    """
+    for package in ("dask", "distributed", "pyarrow", "jinja2", *(["cryptography"] if local else [])):
         try:
             __import__(package)
         except ImportError as error:
@@ -55,7 +62,7 @@ def workers_that_fit(case: Case, *, full: bool) -> int:
 
 
 @contextmanager
-def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> Iterator[Client]:
+def connected(workers: int, threads: int = 1, scheduler: str | Cluster | None = None) -> Iterator[Client]:
     """A client of a cluster.
 
     Parameters
@@ -65,17 +72,20 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
     threads : int, optional
         Threads of each of them, in Fissura's kernels and in linear algebra, unless environment variables that limit
         them are set already.
-    scheduler : str, optional
-        Address of a scheduler whose workers are to be used, for example ``"tcp://127.0.0.1:8786"``.
+    scheduler : str or Cluster, optional
+        Address of a scheduler whose workers are to be used, for example ``"tcp://127.0.0.1:8786"``, or a cluster of
+        Dask, which knows its credentials.
 
     Raises
     ------
     InputError
         Dask is not installed, or the scheduler cannot be reached.
     """
-    require_dask()
+    require_dask(local=scheduler is None)
     import dask
-    from distributed import Client, LocalCluster
+    from distributed import Client
+
+    from fissura.ensemble.local import LocalProcesses
 
     settings = {
         # Threads are limited below: what is set here would stay in the environment of this process.
@@ -90,45 +100,41 @@ def connected(workers: int, threads: int = 1, scheduler: str | None = None) -> I
         stack.enter_context(_silent())
         stack.enter_context(threads_each(threads))
         if scheduler is None:
-            cluster: Any = stack.enter_context(
-                LocalCluster(
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    memory_limit=None,
-                    dashboard_address="127.0.0.1:0",
-                    host="127.0.0.1",
-                    preload="fissura.ensemble.preload",
-                )
-            )
+            cluster: Any = stack.enter_context(LocalProcesses(workers))
         else:
             cluster = scheduler
         try:
             client = stack.enter_context(Client(cluster, set_as_default=False))
         except (OSError, ValueError, TimeoutError) as error:
-            raise InputError("--scheduler", f"{scheduler} cannot be reached ({error})", ADDRESS) from error
+            raise InputError("--scheduler", f"{_address(scheduler)} cannot be reached ({error})", ADDRESS) from error
         yield client
 
 
-def check_scheduler(scheduler: str) -> None:
-    """Raise InputError if this is not the address of a scheduler that can be reached.
+def _address(scheduler: str | Cluster | None) -> str:
+    """Address of a scheduler."""
+    return str(getattr(scheduler, "scheduler_address", scheduler))
+
+
+def check_scheduler(scheduler: str | Cluster) -> None:
+    """Raise InputError if this is not a scheduler that can be reached.
 
     A client of Dask takes up to a minute to give up, and writes a traceback for what is no address at all; and by then
     a folder would have been begun.
     """
     from distributed.comm.addressing import parse_address, parse_host_port
 
+    address = _address(scheduler)
     try:
-        protocol, place = parse_address(scheduler)
+        protocol, place = parse_address(address)
         if protocol not in ("tcp", "tls"):
             return
         host, port = parse_host_port(place)
     except ValueError as error:
-        raise InputError("--scheduler", f"{scheduler} is not an address ({error})", ADDRESS) from error
+        raise InputError("--scheduler", f"{address} is not an address ({error})", ADDRESS) from error
     try:
         socket.create_connection((host, port), timeout=_REACH).close()
     except OSError as error:
-        raise InputError("--scheduler", f"{scheduler} cannot be reached ({error})", ADDRESS) from error
+        raise InputError("--scheduler", f"{address} cannot be reached ({error})", ADDRESS) from error
 
 
 @contextmanager
@@ -205,7 +211,7 @@ def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
 
 def _heal(client: Client) -> None:
     """Start local workers anew whose processes could not be restarted: a cluster gives them up otherwise."""
-    from distributed import LocalCluster
+    from fissura.ensemble.local import LocalProcesses
 
-    if isinstance(client.cluster, LocalCluster):
+    if isinstance(client.cluster, LocalProcesses):
         client.cluster.scale(len(client.cluster.worker_spec))

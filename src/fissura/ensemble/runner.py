@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fissura.case import Case, load_case
 from fissura.ensemble.cluster import check_scheduler, connected, outcomes, require_dask, workers_that_fit
@@ -17,6 +17,9 @@ from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
 from fissura.errors import EnsembleStopped, FissuraError, InputError
 from fissura.memory import require_memory
+
+if TYPE_CHECKING:
+    from distributed.deploy.cluster import Cluster
 
 __all__ = ["run_ensemble"]
 
@@ -39,7 +42,7 @@ def run_ensemble(
     overwrite: bool = False,
     workers: int | None = None,
     threads_per_worker: int = 1,
-    scheduler: str | None = None,
+    scheduler: str | Cluster | None = None,
     on_start: Callable[[Plan, int, int], None] | None = None,
     on_outcome: Callable[[dict[str, Any]], None] | None = None,
 ) -> EnsembleResult:
@@ -78,8 +81,9 @@ def run_ensemble(
         Processes on this machine; by default one per processor, as far as memory allows.
     threads_per_worker : int, optional
         Threads of each of them, unless environment variables as MKL_NUM_THREADS are set already.
-    scheduler : str, optional
-        Address of a Dask scheduler whose workers are used instead.
+    scheduler : str or Cluster, optional
+        Address of a Dask scheduler whose workers are used instead; or a cluster object of Dask, which brings along the
+        credentials that its scheduler asks for.
     on_start : callable, optional
         Called with the plan, the number of runs to be computed, companions included, and of those already there.
     on_outcome : callable, optional
@@ -99,7 +103,7 @@ def run_ensemble(
         The scheduler has gone. As with KeyboardInterrupt and OSError, what has ended is on disk, and ``resume`` goes
         on.
     """
-    require_dask()
+    require_dask(local=scheduler is None)
     if not isinstance(case, Case):
         case = load_case(case)
     plan = Plan(
@@ -168,7 +172,7 @@ def _compute(
     store: Store,
     workers: int | None,
     threads: int,
-    scheduler: str | None,
+    scheduler: str | Cluster | None,
     on_start: Callable[[Plan, int, int], None] | None,
     on_outcome: Callable[[dict[str, Any]], None] | None,
 ) -> None:
