@@ -58,9 +58,9 @@ def test_displacement_control(small_case):
     assert c.control is c.load
 
 
-def rows(small_case, *supports):
+def rows(small_case, *supports, **changes):
     """Supports as rows on the six rigid motions about the origin."""
-    found = conditions(small_case(supports=list(supports))).supports
+    found = conditions(small_case(supports=list(supports), **changes)).supports
     return np.array(
         [np.concatenate([f.coefficients.sum(axis=0), np.cross(f.points, f.coefficients).sum(axis=0)]) for f in found]
     )
@@ -78,6 +78,46 @@ def test_pin_leaves_its_hinge(small_case):
     assert_allclose(pin @ about_the_line, 0.0, atol=1e-15)
 
 
+BESIDE = {"left": "z", "right": "z", "bottom": "z", "top": "z", "front": "y", "back": "y"}
+
+
+@pytest.mark.parametrize("width", [0.0, 1e-6, 0.01, 0.013, 0.02])
+@pytest.mark.parametrize("thickness", [0.012, 0.013, 0.04])
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("face", ["left", "right", "bottom", "top", "front", "back"])
+def test_the_hinge_runs_across_whatever_its_shape(small_case, face, turned, thickness, width):
+    """Longer along than across, shorter or equal: the axis is perpendicular to `along` and to the face."""
+    usual = "y" if face in ("left", "right") else "x"
+    along = BESIDE[face] if turned else usual
+    place = {"type": "pin", "face": face, "at": 0.006, "along": along, "width": min(width, 0.008)}
+    size = {"x": 0.12, "y": 0.06, "z": thickness}
+    pin = rows(
+        small_case,
+        place,
+        {"type": "clamp", "face": "right" if face != "right" else "left"},
+        specimen__size=list(size.values()),
+    )[: 4 if width == 0.0 else 5]
+    normal = {"left": "x", "right": "x", "bottom": "y", "top": "y", "front": "z", "back": "z"}[face]
+    middle = {axis: 0.5 * length for axis, length in size.items()} | {along: 0.006}
+    middle[normal] = size[normal] if face in ("right", "top", "back") else 0.0
+    hinge = np.eye(3)["xyz".index(next(iter(set("xyz") - {along, normal})))]
+    about = np.concatenate([-np.cross(hinge, list(middle.values())), hinge])
+    assert_allclose(pin @ about, 0.0, atol=1e-15)
+
+
+def test_pins_on_whole_faces_and_points(small_case):
+    """A whole face turns about the middle line across `along`; a point holds no turn at all."""
+    for along, hinge in (("x", [0, 0, 1.0]), ("z", [1.0, 0, 0])):
+        pin = rows(small_case, {"type": "pin", "face": "bottom", "along": along}, {"type": "clamp", "face": "top"})[:5]
+        assert np.linalg.matrix_rank(pin) == 5
+        turn = np.concatenate([-np.cross(hinge, [0.06, 0, 0.02]), hinge])
+        assert_allclose(pin @ turn, 0.0, atol=1e-15)
+    point = {"type": "pin", "face": "bottom", "point": [0.01, 0, 0.02]}
+    found = conditions(small_case(supports=[point, {"type": "clamp", "face": "left"}])).supports
+    assert [len(f.points) for f in found[:4]] == [1, 1, 1, len(found[4].points)]
+    assert len(found[4].points) > 1
+
+
 def test_rollers_stop_the_normal_only(small_case):
     roller = rows(small_case, PIN, ROLLER)[5:]
     assert_allclose(roller, [[0, 1.0, 0, -0.02, 0, 0.11]], atol=1e-12)
@@ -87,6 +127,16 @@ def test_clamp_holds_alone(small_case):
     clamp = rows(small_case, {"type": "clamp", "face": "left"})
     assert clamp.shape == (6, 6)
     assert np.linalg.matrix_rank(clamp) == 6
+
+
+@pytest.mark.parametrize("width", [1e-3, 0.2e-3, 1e-6])
+def test_clamps_of_narrow_strips_hold_all_turns(small_case, width):
+    """Narrower than a fifth of l_f, 1.6 mm, they are one row of samples: its turn is that of the strip."""
+    clamp = {"type": "clamp", "face": "bottom", "at": 0.02, "width": width}
+    assert np.linalg.matrix_rank(rows(small_case, clamp), tol=1e-12) == 6
+    found = conditions(small_case(supports=[clamp])).supports
+    spread = found[0].points[:, 0] - 0.02
+    assert_allclose(np.mean(spread**2), width**2 / 12.0, rtol=1e-9)
 
 
 @given(vectors, vectors)

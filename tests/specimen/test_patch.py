@@ -79,6 +79,51 @@ def test_not_over_the_mouth_of_a_notch():
     assert caught.value.key == "load.point"
 
 
+def notched(**values):
+    from fissura.case import Notch
+
+    part = {"position": 0.06, "depth": 0.03} | values
+    return Box(SIZE, (notch_from_part(Notch.model_validate(part), SIZE, "notch"),))
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"face": "bottom", "at": 0.06},
+        {"face": "bottom", "point": [0.06, 0.0, 0.01]},
+        {"face": "front", "point": [0.06, 0.01, 0.0]},  # on the crack's edge in the side of the beam
+        {"face": "back", "point": [0.06, 0.03, 0.04]},  # at its tip
+    ],
+)
+def test_not_in_the_plane_of_an_ideal_cut(values):
+    with pytest.raises(InputError, match=r"x = 0\.06 m of an ideal cut") as caught:
+        patch(notched(), **values)
+    assert caught.value.key == ("load.at" if "at" in values else "load.point")
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"face": "top", "at": 0.06},
+        {"face": "bottom", "at": 0.06 + 1e-6},
+        {"face": "front", "point": [0.06, 0.031, 0.0]},
+        {"face": "bottom", "at": 0.06, "along": "z", "width": 0.0},
+    ],
+)
+def test_beside_and_above_an_ideal_cut(values):
+    values = values | ({"at": 0.02} if values.get("along") == "z" else {})
+    assert len(patch(notched(), **values).points) >= 1
+
+
+def test_a_strip_over_an_ideal_cut_leaves_out_its_plane():
+    """An odd number of rows has one in the plane."""
+    p = patch(notched(), face="bottom", at=0.06, width=0.0079)
+    rows = np.unique(p.points[:, 0])
+    assert_allclose(rows, 0.06 + 0.0079 * np.array([-0.4, -0.2, 0.2, 0.4]), rtol=1e-12)
+    assert_allclose(p.centroid, [0.06, 0.0, 0.02], rtol=1e-12, atol=1e-15)
+    assert_allclose(p.weights.sum(), 1.0, rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("values", "key"),
     [

@@ -74,12 +74,11 @@ def _mean(patch: Patch, direction: FloatArray) -> Functional:
     return Functional(patch.points, patch.weights[:, None] * direction)
 
 
-def _rotation(patch: Patch, axis: int) -> Functional | None:
-    """Mean rotation of a patch about an axis through its centroid, times its radius of gyration [m].
+def _rotation(patch: Patch, unit: FloatArray) -> Functional | None:
+    """Mean rotation of a patch about a line through its centroid, times its radius of gyration [m].
 
-    None when the patch has no extent.
+    None when the patch has no extent beside that line.
     """
-    unit = np.eye(3)[axis]
     arm = patch.points - patch.centroid
     lever = np.cross(unit, arm)
     inertia = float(patch.weights @ np.einsum("ka,ka->k", lever, lever))
@@ -88,25 +87,23 @@ def _rotation(patch: Patch, axis: int) -> Functional | None:
     return Functional(patch.points, patch.weights[:, None] * lever / np.sqrt(inertia))
 
 
-def _line_axis(patch: Patch) -> int:
-    """Axis along which the patch extends farthest."""
-    return int(np.argmax(np.ptp(patch.points, axis=0)))
-
-
 def _pin(patch: Patch) -> list[Functional | None]:
-    """Hinge: no translation, no rotation but the one about its own line."""
-    hinge = _line_axis(patch)
-    return [_mean(patch, unit) for unit in np.eye(3)] + [_rotation(patch, axis) for axis in range(3) if axis != hinge]
+    """Hinge: no translation, no rotation but the one about the line across which the place is given.
+
+    The shape of the place has no say in it: platens of any width, on specimens of any thickness, turn alike.
+    """
+    along, normal, _ = patch.frame
+    return [_mean(patch, unit) for unit in np.eye(3)] + [_rotation(patch, unit) for unit in (along, normal)]
 
 
 def _roller(patch: Patch) -> list[Functional | None]:
     """No translation normal to the face."""
-    return [_mean(patch, np.eye(3)[patch.axis])]
+    return [_mean(patch, patch.frame[1])]
 
 
 def _clamp(patch: Patch) -> list[Functional | None]:
     """Neither translation nor rotation."""
-    return [_mean(patch, unit) for unit in np.eye(3)] + [_rotation(patch, axis) for axis in range(3)]
+    return [_mean(patch, unit) for unit in np.eye(3)] + [_rotation(patch, unit) for unit in np.eye(3)]
 
 
 #: Kinds of support by name.
@@ -160,7 +157,7 @@ def conditions_from_case(case: Case, box: Box) -> Conditions:
 
     patch = patch_from_part(case.load, box, spacing, "load")
     if case.load.direction is None:
-        direction = -patch.outward * np.eye(3)[patch.axis]
+        direction = -patch.outward * patch.frame[1]
     else:
         direction = np.asarray(case.load.direction, float)
         direction = direction / np.linalg.norm(direction)

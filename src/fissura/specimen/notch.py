@@ -19,6 +19,9 @@ FloatArray = NDArray[np.float64]
 
 AXES = {"x": 0, "y": 1, "z": 2}
 
+#: Distance from the plane of an ideal cut, relative to the specimen's size, that is due to round-off.
+_IN_PLANE = 1e-9
+
 #: Faces of a box: name -> (axis, 0 for the lower and 1 for the upper side).
 FACES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1), "front": (2, 0), "back": (2, 1)}
 
@@ -84,6 +87,17 @@ class Notch:
     def in_void(self, x: FloatArray) -> NDArray[np.bool_]:
         """Whether points lie inside the removed volume; shape (n, 3) -> (n,)."""
         return (np.abs(x[..., self.normal] - self.position) < 0.5 * self.width) & (self.height(x) < 0.0)
+
+    def in_mouth(self, x: FloatArray) -> NDArray[np.bool_]:
+        """Whether points belong to neither side of the notch, root included; shape (n, 3) -> (n,).
+
+        Of a saw cut these are the points that it removes; of an ideal cut those in its plane, to round-off: which of
+        the bodies on both sides would own them is chance.
+        """
+        if self.width > 0.0:
+            return self.in_void(x)
+        tolerance = _IN_PLANE * max(self.size)
+        return (np.abs(x[..., self.normal] - self.position) <= tolerance) & (self.height(x) <= tolerance)
 
     def tip_lines(self) -> FloatArray:
         """Ends of the lines along the notch's tip, shape (k, 2, 3): one for a cut, both corners of a saw cut."""
