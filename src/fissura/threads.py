@@ -6,7 +6,11 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["LIMITS", "VARIABLE", "threads_each", "usable_processors"]
+from fissura.case.types import whole
+from fissura.case.units import show
+from fissura.errors import InputError
+
+__all__ = ["LIMITS", "VARIABLE", "side_by_side", "threads_each", "usable_processors"]
 
 #: Environment variable that says how many threads to use where a case does not, for programs that start many runs.
 VARIABLE = "FISSURA_THREADS"
@@ -27,6 +31,28 @@ def usable_processors() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def side_by_side(option: str, value: int) -> int:
+    """A number of processes or threads that this machine can run at a time, as a whole number of Python.
+
+    Parameters
+    ----------
+    option : str
+        What asks for them, for the message.
+    value : int
+        How many.
+
+    Raises
+    ------
+    InputError
+        It is no whole number, or so large that they only stand in each other's way.
+    """
+    number, most = whole(value), max(8, 4 * usable_processors())
+    if number is None or not 1 <= number <= most:
+        processors = f"{usable_processors()} processor" + ("s" if usable_processors() > 1 else "")
+        raise InputError(option, f"{show(value)} is not possible with {processors}", f"a whole number, 1 to {most}")
+    return number
 
 
 @contextmanager

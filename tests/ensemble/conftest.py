@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import fissura.ensemble.report as report
+import fissura.ensemble.runner as runner
 from changes import ABSENT, TINY_BEAM, replaced
 from fissura.case import Case, case_from_dict
+from fissura.ensemble.outcome import compute
 
 TINY = f"""
 name = "tiny"
@@ -46,3 +49,15 @@ def tiny_file(tmp_path: Path) -> Path:
 def few_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw one picture only, to save time."""
     monkeypatch.setattr(report, "PICTURES", {"convergence": report.PICTURES["convergence"]})
+
+
+@pytest.fixture
+def inline(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compute in this process, one after another."""
+
+    @contextmanager
+    def connected(*arguments: Any) -> Iterator[None]:
+        yield None
+
+    monkeypatch.setattr(runner, "connected", connected)
+    monkeypatch.setattr(runner, "outcomes", lambda client, tasks: map(compute, tasks))

@@ -9,8 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -52,18 +51,6 @@ def curves(folder: Path) -> dict[str, dict[str, list[Any]]]:
         curve = read_curve(path)
         found[str(path.parent.relative_to(folder))] = {k: v.tolist() for k, v in curve.items() if k not in TIMES}
     return found
-
-
-@pytest.fixture
-def inline(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Compute in this process, one after another."""
-
-    @contextmanager
-    def connected(*arguments: Any) -> Iterator[None]:
-        yield None
-
-    monkeypatch.setattr(runner, "connected", connected)
-    monkeypatch.setattr(runner, "outcomes", lambda client, tasks: map(compute, tasks))
 
 
 def check_page(folder: Path, pictures: int) -> str:
@@ -158,7 +145,7 @@ def test_resume_computes_what_is_missing_and_no_more(tiny: Build, tmp_path: Path
 def test_failures_are_counted_named_and_tried_again(
     tiny_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def some(client: None, tasks: list[Task]) -> Iterator[Outcome]:
+    def some(client: None, tasks: Iterable[Task]) -> Iterator[Outcome]:
         for task in tasks:
             error = {2: MemoryError("no room"), 3: InputError("field.length", "too small")}.get(task.number)
             yield compute(task) if error is None else Outcome.failed(task, error)
@@ -176,6 +163,7 @@ def test_failures_are_counted_named_and_tried_again(
     result = EnsembleResult.load(folder)
     assert result.statistics.numbers.tolist() == [1, 4, 5]
     monkeypatch.setattr(runner, "outcomes", working)
+    assert "--resume tries 1 of them again" in done.stderr
     # What the machine was to blame for is tried again, what the case is to blame for is not.
     again = call("ensemble", tiny_file, "--runs", 5, "--output", folder, "--resume")
     assert again.exit_code == 3
@@ -220,8 +208,8 @@ def test_a_disk_that_fills_ends_the_ensemble(tiny_file: Path, tmp_path: Path, mo
 
 @pytest.mark.usefixtures("inline")
 def test_a_scheduler_that_goes_is_no_crash(tiny_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def going(client: None, tasks: list[Task]) -> Iterator[Outcome]:
-        yield compute(tasks[0])
+    def going(client: None, tasks: Iterable[Task]) -> Iterator[Outcome]:
+        yield compute(next(iter(tasks)))
         raise EnsembleStopped("the scheduler or its connection has gone")
 
     monkeypatch.setattr(runner, "outcomes", going)
@@ -254,6 +242,10 @@ def test_arguments_that_do_not_go_together(tiny: Build, tmp_path: Path) -> None:
         ({"sampling": "latin-hypercube", "leading_modes": 100_000}, "--leading-modes"),
         ({"workers": 0}, "--workers"),
         ({"threads_per_worker": 0}, "--threads-per-worker"),
+        ({"workers": 1_000_000}, "--workers"),
+        ({"threads_per_worker": 1_000_000}, "--threads-per-worker"),
+        ({"threads_per_worker": 2, "scheduler": "tcp://127.0.0.1:1"}, "--threads-per-worker"),
+        ({"scheduler": "tls://127.0.0.1:1"}, "--scheduler"),  # without credentials
     ]
     for arguments, key in wrong:
         with pytest.raises(InputError) as caught:

@@ -106,7 +106,7 @@ def test_every_way_to_end_is_an_outcome(
     assert (loaded.summary["status"], loaded.steps) == (status, part.steps if status == "stopped" else 0)
     assert (loaded.folder / "error.txt").exists() == (status == "failed")
     # A deterministic failure is done, the machine's fault is tried again.
-    assert (store.summary(task) is None) == again
+    assert (task.key in store.kept().again, task.key in store.kept().done) == (again, not again)
     rows = table([summary])
     assert (rows["status"][0], rows["number"][0]) == (status, 2)
     assert message in rows["error"][0]
@@ -127,7 +127,7 @@ def test_a_disk_that_fills_leaves_no_half_realisation(
     with pytest.raises(OSError, match="No space"):
         Store(tmp_path).write(Outcome.failed(task, MemoryError()))
     assert list((tmp_path / "runs").iterdir()) == []
-    assert Store(tmp_path).summary(task) is None
+    assert Store(tmp_path).kept().summaries == {}
 
 
 def test_tables_are_read_back(tiny: Build, tmp_path: Path) -> None:
@@ -135,7 +135,7 @@ def test_tables_are_read_back(tiny: Build, tmp_path: Path) -> None:
     store.write(compute(plan.companion(0)))
     store.write(compute(plan.run(1)))
     store.write(Outcome.failed(plan.run(2), InputError("a, b", 'with "quotes"\nand two lines')))
-    rows = table(store.summaries())
+    rows = table(store.kept().summaries.values())
     assert rows["kind"].tolist() == ["companion", "run", "run"]
     assert rows["past_peak"].tolist() == [True, True, False]
     assert rows["field_seed"].tolist() == [-1, *(plan.seeds(k)[1] for k in (1, 2))]

@@ -94,6 +94,12 @@ WRONG: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     ({}, {"companions": "two"}, "--companions"),
     ({}, {"runs": 0}, "--runs"),
     ({}, {"runs": 2.5}, "--runs"),
+    ({}, {"runs": 100_000_000}, "--runs"),
+    (
+        {},
+        {"runs": 100_000, "leading_modes": 101, "mode": "field", "sampling": "latin-hypercube"},
+        "--leading-modes",
+    ),
     ({}, {"master": -1}, "--seed"),
     ({}, {"leading_modes": 0}, "--leading-modes"),
 ]

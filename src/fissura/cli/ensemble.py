@@ -10,9 +10,9 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from fissura.cli.console import INTERRUPTED, STOPPED, errors, not_written, print_table, say, warnings
+from fissura.cli.console import STOPPED, errors, print_table, say, warnings
 from fissura.cli.options import CaseArgument, FullOption, OverwriteOption, QuietOption
-from fissura.errors import EnsembleStopped
+from fissura.cli.resuming import Resumable
 from fissura.interrupts import interruptible
 
 __all__ = ["ensemble"]
@@ -79,6 +79,7 @@ def ensemble(
     """Run many realisations of a case, on all processors or on a cluster, and evaluate them together."""
     with errors(), interruptible(say):
         from fissura.case import load_case
+        from fissura.ensemble.kept import kept
         from fissura.ensemble.progress import EnsembleProgress
         from fissura.ensemble.runner import run_ensemble
 
@@ -87,36 +88,28 @@ def ensemble(
         folder = output if output is not None else Path("results") / name
         console = Console(stderr=True)
         progress = None if quiet else EnsembleProgress(console)
-        go_on = f"what has ended is saved in {folder}; --resume goes on from there"
-        try:
-            with warnings(console), progress or nullcontext():
-                result = run_ensemble(
-                    loaded,
-                    runs,
-                    output=folder,
-                    mode=None if mode is None else mode.value,
-                    sampling=sampling.value,
-                    leading_modes=leading_modes,
-                    companions=companions.value,
-                    seed=seed,
-                    full=full,
-                    keep=keep,
-                    resume=resume,
-                    overwrite=overwrite,
-                    workers=workers,
-                    threads_per_worker=threads_per_worker,
-                    scheduler=scheduler,
-                    on_start=progress.start if progress else None,
-                    on_outcome=progress.outcome if progress else None,
-                )
-        except KeyboardInterrupt:
-            say(f"interrupted; {go_on}")
-            raise typer.Exit(INTERRUPTED) from None
-        except EnsembleStopped as error:
-            say(f"error: {error}; {go_on}")
-            raise typer.Exit(STOPPED) from None
-        except OSError as error:
-            raise not_written(error, error.filename or f"a file in {folder}", go_on) from None
+        instead = " instead of --overwrite" if overwrite else ""
+        resumable = Resumable(folder, f"the same command with --resume{instead} goes on from there")
+        with resumable, warnings(console), progress or nullcontext():
+            result = run_ensemble(
+                loaded,
+                runs,
+                output=folder,
+                mode=None if mode is None else mode.value,
+                sampling=sampling.value,
+                leading_modes=leading_modes,
+                companions=companions.value,
+                seed=seed,
+                full=full,
+                keep=keep,
+                resume=resume,
+                overwrite=overwrite,
+                workers=workers,
+                threads_per_worker=threads_per_worker,
+                scheduler=scheduler,
+                on_start=resumable.beginning(progress.start if progress else None),
+                on_outcome=progress.outcome if progress else None,
+            )
         if not quiet:
             print_table([*result.table(), ("results", str(folder)), ("report", str(folder / "report.html"))])
         if not result.complete:
@@ -125,4 +118,7 @@ def ensemble(
                 say(f"{name} {reason}")
             more = f", {len(unfinished) - 10} more of them not named here" if len(unfinished) > 10 else ""
             say(f"error: {len(unfinished)} runs did not finish{more}; see {folder / 'report.html'}")
+            again = len(kept(folder).again)
+            if again:
+                say(f"--resume tries {again} of them again, which failed for want of memory or the like")
             raise typer.Exit(STOPPED)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
     from fissura.case import Case
+    from fissura.ensemble.local import LocalProcesses
 
 __all__ = ["check_scheduler", "connected", "outcomes", "require_dask", "workers_that_fit"]
 
@@ -30,6 +31,12 @@ ADDRESS = "the address that `dask scheduler` prints, such as tcp://127.0.0.1:878
 
 #: How often a run is computed at most if its result is lost each time.
 _ATTEMPTS = 5
+
+#: Tasks that are handed to the cluster at a time: more than it has processors, few enough for a scheduler's memory.
+_AHEAD = 2000
+
+#: Seconds without any worker after which that is said, or, where workers are ours to start, the ensemble ends.
+_ALONE = 60.0
 
 #: Seconds within which a scheduler must answer.
 _REACH = 10.0
@@ -80,12 +87,12 @@ def connected(workers: int, threads: int = 1, scheduler: str | Cluster | None = 
     ------
     InputError
         Dask is not installed, or the scheduler cannot be reached.
+    EnsembleStopped
+        A local process could not be started.
     """
     require_dask(local=scheduler is None)
     import dask
     from distributed import Client
-
-    from fissura.ensemble.local import LocalProcesses
 
     settings = {
         # Threads are limited below: what is set here would stay in the environment of this process.
@@ -100,14 +107,37 @@ def connected(workers: int, threads: int = 1, scheduler: str | Cluster | None = 
         stack.enter_context(_silent())
         stack.enter_context(threads_each(threads))
         if scheduler is None:
-            cluster: Any = stack.enter_context(LocalProcesses(workers))
+            cluster: Any = stack.enter_context(_started(workers))
         else:
             cluster = scheduler
         try:
             client = stack.enter_context(Client(cluster, set_as_default=False))
-        except (OSError, ValueError, TimeoutError) as error:
+        except (OSError, ValueError, TypeError, TimeoutError) as error:
+            if scheduler is None:
+                raise EnsembleStopped(f"the local scheduler cannot be reached ({error})") from error
             raise InputError("--scheduler", f"{_address(scheduler)} cannot be reached ({error})", ADDRESS) from error
         yield client
+
+
+def _started(workers: int) -> LocalProcesses:
+    """Local processes, once all of them have started.
+
+    Raises
+    ------
+    EnsembleStopped
+        One has not.
+    """
+    from fissura.ensemble.local import LocalProcesses
+
+    try:
+        return LocalProcesses(workers)
+    except (OSError, RuntimeError, TimeoutError) as error:  # what nannies and sockets raise
+        reason: BaseException = error
+        while reason.__cause__ is not None:
+            reason = reason.__cause__
+        raise EnsembleStopped(
+            f"a worker process died while it started, perhaps for lack of memory ({reason or type(reason).__name__})"
+        ) from error
 
 
 def _address(scheduler: str | Cluster | None) -> str:
@@ -129,12 +159,27 @@ def check_scheduler(scheduler: str | Cluster) -> None:
         if protocol not in ("tcp", "tls"):
             return
         host, port = parse_host_port(place)
+        if protocol == "tls" and isinstance(scheduler, str):
+            _check_credentials(address)
     except ValueError as error:
         raise InputError("--scheduler", f"{address} is not an address ({error})", ADDRESS) from error
     try:
         socket.create_connection((host, port), timeout=_REACH).close()
     except OSError as error:
         raise InputError("--scheduler", f"{address} cannot be reached ({error})", ADDRESS) from error
+
+
+def _check_credentials(address: str) -> None:
+    """Raise InputError without credentials for a scheduler that asks for them."""
+    from distributed import Security
+
+    allowed = "distributed.comm.tls in Dask's configuration, see docs/ensembles.md"
+    try:
+        known = Security().get_connection_args("client")["ssl_context"] is not None
+    except OSError as error:
+        raise InputError("--scheduler", f"credentials for {address} cannot be read ({error})", allowed) from error
+    if not known:
+        raise InputError("--scheduler", f"{address} asks for credentials, and there are none", allowed)
 
 
 @contextmanager
@@ -155,14 +200,22 @@ def _silent() -> Iterator[None]:
 def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
     """Compute tasks, and yield what becomes of each in the order in which they end.
 
-    A realisation whose worker dies is computed again by another one; the cluster gives up on it after several such
-    deaths (``distributed.scheduler.allowed-failures``), and it has failed then.
+    Tasks are taken as they are handed to the cluster, `_AHEAD` at a time, so that planning many takes no time. A
+    realisation whose worker dies is computed again by another one; the cluster gives up on it after several such deaths
+    (``distributed.scheduler.allowed-failures``), and it has failed then.
 
     Raises
     ------
     EnsembleStopped
-        The scheduler has gone.
+        The scheduler has gone, or no local worker could be started.
     """
+    try:
+        yield from _arriving(client, iter(tasks))
+    except (OSError, RuntimeError, TimeoutError) as error:  # what connections raise
+        raise EnsembleStopped(f"the scheduler or its connection has gone ({error})") from error
+
+
+def _arriving(client: Client, tasks: Iterator[Task]) -> Iterator[Outcome]:
     from distributed import KilledWorker, as_completed
 
     arriving = as_completed(loop=client.loop)
@@ -174,15 +227,17 @@ def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
         waiting[future.key] = task, attempt
         arriving.add(future)
 
-    for task in tasks:
-        submit(task, 1)
-    checked = time.monotonic()
-    while waiting:
+    def refill() -> bool:
+        """Hand on what there is room for; whether anything is to be waited for."""
+        while len(waiting) < _AHEAD and (task := next(tasks, None)) is not None:
+            submit(task, 1)
+        return bool(waiting)
+
+    watch = _Watch(client)
+    while refill():
         if not arriving.has_ready():
             time.sleep(_POLL)
-            if time.monotonic() - checked > _HEAL:
-                _heal(client)
-                checked = time.monotonic()
+            watch.look()
             continue
         future = next(arriving)
         task, attempt = waiting.pop(future.key)
@@ -209,9 +264,41 @@ def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
         yield outcome
 
 
-def _heal(client: Client) -> None:
-    """Start local workers anew whose processes could not be restarted: a cluster gives them up otherwise."""
-    from fissura.ensemble.local import LocalProcesses
+class _Watch:
+    """Looks after the workers of a cluster while nothing arrives from them.
 
-    if isinstance(client.cluster, LocalProcesses):
-        client.cluster.scale(len(client.cluster.worker_spec))
+    Parameters
+    ----------
+    client : Client
+        Of the cluster.
+    """
+
+    def __init__(self, client: Client) -> None:
+        from fissura.ensemble.local import LocalProcesses
+
+        self._client = client
+        self._ours: Any = client.cluster if isinstance(client.cluster, LocalProcesses) else None
+        self._looked = self._met = time.monotonic()
+        self._told = False
+
+    def look(self) -> None:
+        """Start local workers anew that could not be restarted, which a cluster gives up; say if there are none.
+
+        Raises
+        ------
+        EnsembleStopped
+            For long there has been no local worker.
+        """
+        now = time.monotonic()
+        if now - self._looked < _HEAL:
+            return
+        self._looked = now
+        if self._ours is not None:
+            self._ours.scale(len(self._ours.worker_spec))
+        if self._client.nthreads():
+            self._met, self._told = now, False
+        elif now - self._met >= _ALONE and self._ours is not None:
+            raise EnsembleStopped(f"no worker process could be started for {_ALONE:g} s, perhaps for lack of memory")
+        elif now - self._met >= _ALONE and not self._told:
+            self._told = True
+            _log.warning("the scheduler has had no workers for %g s; waiting for some", _ALONE)

@@ -15,7 +15,19 @@ from fissura.case.types import whole
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["LEADING_MODES", "Companions", "Kind", "Mode", "Plan", "Sampling", "Task", "spawned", "whole_number"]
+__all__ = [
+    "LEADING_MODES",
+    "MOST_RUNS",
+    "Companions",
+    "Key",
+    "Kind",
+    "Mode",
+    "Plan",
+    "Sampling",
+    "Task",
+    "spawned",
+    "whole_number",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -25,6 +37,14 @@ Mode = Literal["geometry", "field", "both"]
 Sampling = Literal["monte-carlo", "latin-hypercube"]
 Companions = Literal["one", "each", "none"]
 Kind = Literal["run", "companion"]
+Key = tuple[Kind, int]
+"""What tells runs of an ensemble apart: kind and number."""
+
+MOST_RUNS = 100_000
+"""Largest number of realisations: each has a folder of its own, and the tables are in memory as a whole."""
+
+#: Largest number of values in a Latin hypercube, which is in memory as a whole.
+_MOST_STRATA = 10_000_000
 
 LEADING_MODES = 10
 """Modes of the field that Latin hypercube sampling stratifies unless told otherwise."""
@@ -80,7 +100,7 @@ class Task:
     keep: bool = False
 
     @property
-    def key(self) -> tuple[Kind, int]:
+    def key(self) -> Key:
         """What tells tasks of an ensemble apart."""
         return self.kind, self.number
 
@@ -134,6 +154,12 @@ class Plan:
             ("--leading-modes", "leading_modes", 1),
         ):
             object.__setattr__(self, name, whole_number(option, getattr(self, name), least))
+        if self.runs > MOST_RUNS:
+            raise InputError(
+                "--runs",
+                f"{self.runs} realisations are too many for one folder",
+                f"1 to {MOST_RUNS}; for more, several ensembles with different --seed",
+            )
         for option, value, names in (
             ("--mode", self.mode, Mode),
             ("--sampling", self.sampling, Sampling),
@@ -150,6 +176,12 @@ class Plan:
         if self.sampling == "latin-hypercube" and self.mode == "geometry":
             raise InputError(
                 "--sampling", "Latin hypercubes sample the field, and --mode geometry has none", "monte-carlo"
+            )
+        if self.sampling == "latin-hypercube" and self.runs * self.leading_modes > _MOST_STRATA:
+            raise InputError(
+                "--leading-modes",
+                f"{self.leading_modes} modes of {self.runs} realisations are too many values to stratify",
+                f"1 to {_MOST_STRATA // self.runs}",
             )
         if self.companions == "each" and self.mode == "geometry":
             raise InputError("--companions", "'each' run of --mode geometry is deterministic itself", "one, none")
@@ -190,14 +222,23 @@ class Plan:
         seed = self.case.seed if number == 0 else self.seeds(number)[0]
         return self._task(number, "companion", {"seed": seed, "field": None})
 
-    def tasks(self) -> Iterator[Task]:
-        """All runs of the ensemble in order, each after its companion."""
+    def keys(self) -> Iterator[Key]:
+        """What the ensemble consists of, in order, each run after its companion; takes no time, unlike `tasks`."""
         if self.companions == "one" or (self.companions == "each" and self.mode == "field"):
-            yield self.companion(0)
+            yield "companion", 0
         for number in range(1, self.runs + 1):
             if self.companions == "each" and self.mode == "both":
-                yield self.companion(number)
-            yield self.run(number)
+                yield "companion", number
+            yield "run", number
+
+    def task(self, key: Key) -> Task:
+        """The run or companion of a number."""
+        kind, number = key
+        return self.run(number) if kind == "run" else self.companion(number)
+
+    def tasks(self) -> Iterator[Task]:
+        """All runs of the ensemble in order, each after its companion; made one by one, as they are asked for."""
+        return map(self.task, self.keys())
 
     def _strata(self, number: int) -> dict[str, Any]:
         return {"leading": tuple(self.leading[number - 1].tolist())} if self.sampling == "latin-hypercube" else {}

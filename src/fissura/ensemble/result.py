@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.ensemble.band import Band, band, write_band
-from fissura.ensemble.plan import Plan
+from fissura.ensemble.plan import Kind, Plan
 from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.table import Table, read_table, select
 from fissura.errors import InputError
@@ -111,13 +111,13 @@ class EnsembleResult:
         finished = self.runs["number"][self.runs["status"] == "finished"]
         return band([self.paths[number] for number in finished.tolist() if number in self.paths])
 
-    def place(self, number: int, kind: str = "run") -> Path:
+    def place(self, number: int, kind: Kind = "run") -> Path:
         """Folder of a run or companion."""
         from fissura.ensemble.store import Store
 
         return Store(self.folder).place(kind, number)
 
-    def result(self, number: int, kind: str = "run") -> Result:
+    def result(self, number: int, kind: Kind = "run") -> Result:
         """A run, or a companion, as `Result`.
 
         Raises
@@ -186,7 +186,7 @@ class EnsembleResult:
         rows.append(("processor time", f"{text.seconds(float(times.sum()))} in all"))
         return rows
 
-    def _paths(self, kind: str) -> dict[int, LoadPath]:
+    def _paths(self, kind: Kind) -> dict[int, LoadPath]:
         of = select(self.rows, (self.rows["kind"] == kind) & (self.rows["steps"] > 0))
         found = {}
         for number in of["number"].tolist():

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 from fissura.case import Case, load_case
 from fissura.ensemble.cluster import check_scheduler, connected, outcomes, require_dask, workers_that_fit
 from fissura.ensemble.outcome import Outcome
-from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling, Task, whole_number
+from fissura.ensemble.plan import LEADING_MODES, Companions, Key, Mode, Plan, Sampling
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
 from fissura.errors import EnsembleStopped, FissuraError, InputError
 from fissura.memory import require_memory
+from fissura.threads import side_by_side
 
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
@@ -118,11 +119,17 @@ def run_ensemble(
         keep,
     )
     plan = replace(plan, leading_modes=_leading_modes(plan, leading_modes))
-    workers = None if workers is None else whole_number("--workers", workers, 1)
-    threads_per_worker = whole_number("--threads-per-worker", threads_per_worker, 1)
+    workers = None if workers is None else side_by_side("--workers", workers)
+    threads_per_worker = side_by_side("--threads-per-worker", threads_per_worker)
     if scheduler is not None and workers is not None:
         raise InputError(
             "--workers", "is given together with --scheduler", "one of them: the scheduler has its workers"
+        )
+    if scheduler is not None and threads_per_worker != 1:
+        raise InputError(
+            "--threads-per-worker",
+            "is given together with --scheduler, whose workers run already",
+            "FISSURA_THREADS in the environment of these workers",
         )
     if scheduler is None:
         require_memory(case, full=full)
@@ -177,26 +184,29 @@ def _compute(
     on_outcome: Callable[[dict[str, Any]], None] | None,
 ) -> None:
     """Compute what is not there yet."""
-    tasks = list(plan.tasks())
-    missing = [task for task in tasks if store.summary(task) is None]
+    there, keys = store.kept(), list(plan.keys())
+    for note in there.notes():
+        _log.warning(note)
+    done = there.done
+    missing = [key for key in keys if key not in done]
     if on_start is not None:
-        on_start(plan, len(missing), len(tasks) - len(missing))
+        on_start(plan, len(missing), len(keys) - len(missing))
     if not missing:
         return
     count = min(workers or workers_that_fit(plan.case, full=plan.full), len(missing))
     try:
         with connected(count, threads, scheduler) as client:
-            collect(outcomes(client, missing), store, missing, on_outcome)
+            collect(outcomes(client, map(plan.task, missing)), store, missing, on_outcome)
     except BaseException:
         # Whatever ended it, the table of what is there helps the user now.
-        write_table(table(store.summaries()), store.folder)
+        write_table(table(store.kept().summaries.values()), store.folder)
         raise
 
 
 def collect(
     arriving: Iterable[Outcome],
     store: Store,
-    missing: list[Task],
+    missing: list[Key],
     on_outcome: Callable[[dict[str, Any]], None] | None = None,
 ) -> None:
     """Write what arrives.
@@ -208,7 +218,7 @@ def collect(
     OSError
         A file cannot be written.
     """
-    left = {task.key for task in missing}
+    left = set(missing)
     try:
         for outcome in arriving:
             summary = store.write(outcome)
@@ -228,13 +238,8 @@ def evaluate(plan: Plan, store: Store) -> EnsembleResult:
     """
     from fissura.ensemble.report import write_report
 
-    wanted = {task.key for task in plan.tasks()}
-    summaries = [
-        summary
-        for summary in store.summaries()
-        if (summary["realisation"]["kind"], summary["realisation"]["number"]) in wanted
-    ]
-    rows = table(summaries)
+    wanted = set(plan.keys())
+    rows = table(summary for key, summary in store.kept().summaries.items() if key in wanted)
     write_table(rows, store.folder)
     result = EnsembleResult.of(plan, rows, store.folder)
     result.write()

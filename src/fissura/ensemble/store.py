@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fissura.ensemble.plan import Plan, Task
+from fissura.ensemble.kept import FOLDERS, Kept, kept
+from fissura.ensemble.plan import Kind, Plan
 from fissura.errors import InputError
 from fissura.results.curve import COLUMNS, CurveWriter
 from fissura.results.summary import FORMAT_VERSION, read_summary, versions, write_atomically, write_summary
@@ -19,11 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Store", "describe"]
 
-RUNS, COMPANIONS = "runs", "companions"
-
 OWN = (
-    RUNS,
-    COMPANIONS,
+    *FOLDERS.values(),
     "pictures",
     "ensemble.json",
     "case.toml",
@@ -113,8 +111,9 @@ class Store:
                 f"{key} was {was!r} and is now {now!r}",
                 f"what {self.folder} was begun with, or --overwrite",
             )
-        for part in (*self.folder.glob(f"{RUNS}/.*.part"), *self.folder.glob(f"{COMPANIONS}/.*.part")):
-            shutil.rmtree(part, ignore_errors=True)
+        for name in FOLDERS.values():
+            for part in self.folder.glob(f"{name}/.*.part"):
+                shutil.rmtree(part, ignore_errors=True)
         self._write_plan(plan)
         now_used = versions()
         other = [
@@ -131,22 +130,13 @@ class Store:
             {"format_version": FORMAT_VERSION, "plan": describe(plan), "versions": versions()},
         )
 
-    def place(self, kind: str, number: int) -> Path:
+    def place(self, kind: Kind, number: int) -> Path:
         """Folder of a realisation or companion."""
-        return self.folder / (RUNS if kind == "run" else COMPANIONS) / f"{number:04d}"
+        return self.folder / FOLDERS[kind] / f"{number:04d}"
 
-    def summary(self, task: Task) -> dict[str, Any] | None:
-        """The summary of what is done; None if it is not, or is to be tried again."""
-        place = self.place(task.kind, task.number)
-        if not (place / "summary.json").exists():
-            return None
-        summary = read_summary(place)
-        return None if summary.get("realisation", {}).get("again") else summary
-
-    def summaries(self) -> list[dict[str, Any]]:
-        """Summaries of all that is there, in order of number, companions first."""
-        paths = [*self.folder.glob(f"{COMPANIONS}/[0-9]*"), *self.folder.glob(f"{RUNS}/[0-9]*")]
-        return [read_summary(path) for path in sorted(paths, key=lambda path: (path.parent.name, int(path.name)))]
+    def kept(self) -> Kept:
+        """All that is there."""
+        return kept(self.folder)
 
     def write(self, outcome: Outcome) -> dict[str, Any]:
         """Write a realisation and return its summary; a folder of its number is replaced.
