@@ -445,7 +445,8 @@ def test_a_name_in_the_file_wins(tmp_path: Path) -> None:
     ("content", "problem"),
     [
         (None, "no such file"),
-        (b"\xff\xfe\x00", "not UTF-8"),
+        (b"\xff\x00", "not UTF-8"),
+        (b"\xff\xfea\x00", "is UTF-16 text"),
         (b"a = ", "not TOML"),
         (b"a = 1\na = 2", "not TOML"),
         (b"a = " + b"[" * 100_000, "not"),
@@ -467,10 +468,11 @@ def test_folder_and_unreadable_file(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     with pytest.raises(InputError, match="cannot be read"):
         load_case("a\0b")
 
-    def refuse(self: Path) -> bytes:
+    def refuse(self: Path, mode: str) -> bytes:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_bytes", refuse)
+    (tmp_path / "case.toml").write_text("")
+    monkeypatch.setattr(Path, "open", refuse)
     with pytest.raises(InputError, match="cannot be read: Permission denied"):
         load_case(tmp_path / "case.toml")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -72,6 +74,52 @@ def test_bad_files(tmp_path, content, suffix):
     with pytest.raises(InputError) as caught:
         read_nuclei(path)
     assert caught.value.key == KEY
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("x.txt.xz", b"\xfd7zXZ\x00garbage"),
+        ("x.txt.gz", b"\x1f\x8bgarbage"),
+        ("x.bz2", b"BZh9garbage"),
+        ("x.txt", b"1 2 3\n" + b"\x00" * 100),
+        ("x.txt", b"1 2 1e999\n"),
+        ("x.txt", "1 2 3".encode("utf-16")),
+        ("x.npy", b"\x93NUMPY\x01\x00v\x00" + b"{'descr': '<f8', 'fortran_order': False, 'shape': (10**15, 3)}"),
+        ("x.npy", b"\x93NUMPY\x09\x00v\x00"),
+    ],
+)
+def test_damaged_files(tmp_path, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        read_nuclei(path)
+    assert caught.value.key == KEY
+    assert caught.value.allowed
+
+
+def test_no_memory_is_taken_for_what_a_file_does_not_hold(tmp_path):
+    """The header promises 20 TB."""
+    header = str({"descr": "<f8", "fortran_order": False, "shape": (10**12, 3)}).ljust(117) + "\n"
+    path = tmp_path / "x.npy"
+    path.write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode() + bytes(240))
+    with pytest.raises(InputError, match="does not hold numbers") as caught:
+        read_nuclei(path)
+    assert caught.value.key == KEY
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="kinds of files that Windows does not have")
+@pytest.mark.parametrize("suffix", ["txt", "npy"])
+def test_what_is_no_file(tmp_path, suffix, small_case):
+    os.mkfifo(tmp_path / f"pipe.{suffix}")
+    (tmp_path / f"zero.{suffix}").symlink_to("/dev/zero")
+    for name in (f"pipe.{suffix}", f"zero.{suffix}"):
+        with pytest.raises(InputError, match="not a regular file") as caught:
+            read_nuclei(tmp_path / name)
+        assert caught.value.key == KEY
+        with pytest.raises(InputError, match="not a file") as caught:
+            small_case(tmp_path, discretization__nuclei=name)
+        assert caught.value.key == KEY
 
 
 def test_archive_named_npy(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from collections.abc import Mapping
@@ -10,13 +11,20 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fissura.case.model import Case
+from fissura.case.files import read_text
+from fissura.case.model import Case, folder_name
 from fissura.case.report import input_error
 from fissura.errors import InputError
 
-__all__ = ["case_from_dict", "load_case", "read_toml"]
+__all__ = ["case_from_dict", "load_case", "read_case_file", "read_json", "read_toml"]
 
-ALLOWED = "a case file (TOML, UTF-8)"
+ALLOWED = "a case file (TOML, UTF-8), or the case.json of a run"
+
+_DEPTH, _TOO_DEEP = 20, "is nested too deeply"
+
+#: A key of more parts than tables may be deep. The parser's memory grows with the square of their number.
+_PART = r"""(?>[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_MANY_PARTS = re.compile(rf"(?<![\w-])(?>{_PART}[ \t]*+\.[ \t]*+){{{_DEPTH}}}")
 
 
 def case_from_dict(data: Mapping[str, Any], folder: str | Path = ".", *, files_exist: bool = True) -> Case:
@@ -53,7 +61,7 @@ def load_case(path: str | Path) -> Case:
     Parameters
     ----------
     path : path
-        TOML file, UTF-8.
+        TOML file, UTF-8; or JSON, if its name ends so, such as the ``case.json`` in the folder of a run.
 
     Returns
     -------
@@ -63,14 +71,28 @@ def load_case(path: str | Path) -> Case:
     Raises
     ------
     InputError
-        If the file cannot be read, is not TOML, or anything in it is wrong.
+        If the file cannot be read, is not TOML or JSON, or anything in it is wrong.
     """
     path = Path(path)
-    text, data = read_toml(path)
-    data.setdefault("name", re.sub(r'[\x00-\x1f<>:"/\\|?*]', "_", path.stem)[:100])
+    text, data = read_case_file(path)
+    data.setdefault("name", folder_name(path.stem))
     case = case_from_dict(data, path.parent)
-    case.__dict__["source"] = text
+    if text is not None:
+        case.__dict__["source"] = text
     return case
+
+
+def read_case_file(path: Path) -> tuple[str | None, dict[str, Any]]:
+    """Read the tables of a case file; its text comes along when it is TOML.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is not TOML or JSON.
+    """
+    if path.suffix.lower() == ".json":
+        return None, read_json(path)
+    return read_toml(path)
 
 
 def read_toml(path: Path, allowed: str = ALLOWED) -> tuple[str, dict[str, Any]]:
@@ -95,22 +117,61 @@ def read_toml(path: Path, allowed: str = ALLOWED) -> tuple[str, dict[str, Any]]:
     InputError
         If the file cannot be read or is not TOML.
     """
-    where = str(path)
+    text = read_text(path, str(path), allowed)
+    if found := _MANY_PARTS.search(text):
+        line = text.count("\n", 0, found.start()) + 1
+        raise InputError(str(path), f"has a key of more than {_DEPTH} parts in line {line}", allowed)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
-        return text, tomllib.loads(text)
-    except FileNotFoundError:
-        problem = "no such file"
-    except IsADirectoryError:
-        problem = "is a folder"
-    except OSError as error:
-        problem = f"cannot be read: {error.strerror or error}"
-    except UnicodeDecodeError as error:
-        problem = f"is not UTF-8 text (byte {error.start})"
+        tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         problem = f"is not TOML: {error}"
     except RecursionError:
-        problem = "is nested too deeply"
-    except ValueError as error:  # a null character in the path, a number of thousands of digits
-        problem = f"cannot be read: {error}"
-    raise InputError(where, problem, allowed)
+        problem = _TOO_DEEP
+    except ValueError as error:  # a number that Python refuses to read
+        problem = _long_number(text) or f"cannot be read: {error}"
+    else:
+        if not _too_deep(tables):
+            return text, tables
+        problem = _TOO_DEEP
+    raise InputError(str(path), problem, allowed)
+
+
+def read_json(path: Path, allowed: str = ALLOWED) -> dict[str, Any]:
+    """Read the ``case.json`` of a run, or another file of tables in JSON; parameters and errors as for `read_toml`."""
+    text = read_text(path, str(path), allowed)
+    try:
+        tables = json.loads(text)
+    except json.JSONDecodeError as error:
+        problem = f"is not JSON: {error}"
+    except RecursionError:
+        problem = _TOO_DEEP
+    except ValueError as error:
+        problem = _long_number(text) or f"cannot be read: {error}"
+    else:
+        if isinstance(tables, dict) and not _too_deep(tables):
+            return tables
+        problem = _TOO_DEEP if isinstance(tables, dict) else "does not hold tables"
+    raise InputError(str(path), problem, allowed)
+
+
+def _too_deep(value: Any) -> bool:
+    """Whether tables and lists are nested deeper than any case needs; what walks through them may recurse then."""
+    level = [value]
+    for _ in range(_DEPTH):
+        level = [
+            item
+            for outer in level
+            for item in (outer.values() if isinstance(outer, dict) else outer)
+            if isinstance(item, (dict, list))
+        ]
+        if not level:
+            return False
+    return True
+
+
+def _long_number(text: str) -> str:
+    """Where a number stands that is longer than any float; empty where none does."""
+    for number, line in enumerate(text.splitlines(), 1):
+        if found := re.search(r"[0-9_]{1000,}", line):
+            return f"has a number of {len(found[0])} digits in line {number}"
+    return ""

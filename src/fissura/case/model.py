@@ -63,6 +63,20 @@ __all__ = [
 FACE_AXIS: dict[str, Axis] = {"left": "y", "right": "y"}
 
 
+#: What names of folders cannot hold: signs of paths and shells, control characters, bytes that are not UTF-8.
+_NOT_IN_NAMES = re.compile(r'[\x00-\x1f\x7f-\x9f<>:"/\\|?*\u2028\u2029\ud800-\udfff]')
+
+#: Longest name of a folder, in characters and, since file systems count these, in bytes.
+_LONGEST_NAME, _LONGEST_BYTES = 100, 240
+
+
+def folder_name(text: str) -> str:
+    """The nearest text that can name a folder on any machine; the same if it can."""
+    clean = _NOT_IN_NAMES.sub("_", text)[:_LONGEST_NAME]
+    clean = clean.encode()[:_LONGEST_BYTES].decode(errors="ignore")
+    return clean if clean.strip(". ") else "case"
+
+
 def _axis_of_face(data: dict[str, Any]) -> Axis:
     return FACE_AXIS.get(data.get("face", ""), "x")
 
@@ -224,7 +238,7 @@ class Case(Part):
     @field_validator("name")
     @classmethod
     def _name_of_a_folder(cls, value: str) -> str:
-        if not value.strip(". ") or len(value) > 100 or re.search(r'[\x00-\x1f<>:"/\\|?*]', value):
+        if value != folder_name(value):
             fail(f"{show(value)} cannot name a folder", 'up to 100 characters, none of < > : " / \\ | ? *')
         return value
 

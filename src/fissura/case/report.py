@@ -42,21 +42,29 @@ def input_error(error: ValidationError, model: type[BaseModel], data: Mapping[st
     """
     details = [item for item in error.errors(include_url=False) if item["type"] not in WAITING]
     details.sort(key=lambda item: item["type"] != "extra_forbidden")
-    found: dict[str, tuple[str, str]] = {}
+    found: dict[str, ErrorDetails] = {}
     for item in details:
-        key, problem, allowed = _describe(item, model, data)
-        found.setdefault(key, (problem, allowed))
-    (key, (problem, allowed)), *others = found.items()
+        found.setdefault(_dotted(_location(item, data)), item)
+    (_, first), *others = found.items()
+    key, problem, allowed = _describe(first, model, data)
     if others:
         names = ", ".join(name for name, _ in others[:3]) + (", ..." if len(others) > 3 else "")
         problem += f" [and {len(others)} more problem{'s' if len(others) > 1 else ''}: {names}]"
     return InputError(key, problem, allowed)
 
 
+def _location(item: ErrorDetails, data: Mapping[str, Any]) -> Location:
+    """Where an error is, as the case file writes it."""
+    context: dict[str, Any] = item.get("ctx", {})
+    location = _as_written((*item["loc"], *context.get("key", ())), data)
+    kind = item["type"]
+    return (*location, "type") if kind in ("union_tag_not_found", "union_tag_invalid") else location
+
+
 def _describe(item: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any]) -> tuple[str, str, str]:
     """Key, problem and what is allowed."""
     context: dict[str, Any] = item.get("ctx", {})
-    location = _as_written((*item["loc"], *context.get("key", ())), data)
+    location = _location(item, data)
     key = _dotted(location)
     value = item["input"]
     kind = item["type"]
@@ -73,9 +81,9 @@ def _describe(item: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any
     if kind == "literal_error":
         return key, f"{show(value)} is not known", str(context["expected"]).replace("'", '"')
     if kind == "union_tag_not_found":
-        return f"{key}.type", "missing", '"ball" or "box"'
+        return key, "missing", '"ball" or "box"'
     if kind == "union_tag_invalid":
-        return f"{key}.type", f"{show(context['tag'])} is not known", '"ball" or "box"'
+        return key, f"{show(context['tag'])} is not known", '"ball" or "box"'
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return key, f"{show(value)} is not a table", _description(model, location) or "a table"
     if kind in ("tuple_type", "list_type"):

@@ -194,6 +194,8 @@ def _three(what: str) -> Callable[[Any], Any]:
 
 def _unit_vector(value: Any) -> tuple[float, float, float]:
     numbers = [to_si_or_fail(item) for item in _three("numbers")(value)]
+    if abs(math.hypot(*numbers) - 1.0) < 8e-16:  # a case read again from what it resolved is the same, bit for bit
+        return numbers[0], numbers[1], numbers[2]
     largest = max(abs(number) for number in numbers)
     if largest == 0:
         fail("the direction is zero", "three numbers, not all zero")

@@ -9,7 +9,9 @@ import typer
 
 __all__ = ["CaseArgument", "FullOption", "OverwriteOption", "QuietOption"]
 
-CaseArgument = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).", show_default=False)]
+CaseArgument = Annotated[
+    Path, typer.Argument(metavar="CASE", help="Case file (TOML), or case.json of a run.", show_default=False)
+]
 FullOption = Annotated[bool, typer.Option("--full", help="Full resolution everywhere, no adaptivity.")]
 OverwriteOption = Annotated[bool, typer.Option("--overwrite", help="Replace earlier results there.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", help="Print errors and warnings only.")]

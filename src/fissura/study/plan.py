@@ -11,7 +11,7 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, Field, ValidationError, model_validator
 
 from fissura.case import Case, case_from_dict
-from fissura.case.load import read_toml
+from fissura.case.load import read_case_file, read_toml
 from fissura.case.part import Part
 from fissura.case.report import input_error
 from fissura.case.types import Count, Fraction, fail
@@ -241,6 +241,6 @@ def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]
 def _case_file(path: Path, key: str) -> dict[str, Any]:
     """Tables of a case file."""
     try:
-        return read_toml(path)[1]
+        return read_case_file(path)[1]
     except InputError as error:
         raise InputError(key, f"{path}: {error.problem}", error.allowed) from None

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.case.files import check_file, read_text
 from fissura.errors import InputError
 from fissura.tessellation.mirror import MirrorZones, mirror_zones
 from fissura.tessellation.placement import place
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
     from fissura.specimen import Box
 
 __all__ = ["Nuclei", "nuclei_from_case", "read_nuclei"]
+
+#: Largest files that are read.
+_MOST_BYTES, _MOST_BYTES_OF_TEXT = 2_000_000_000, 100_000_000
 
 
 @dataclass(frozen=True)
@@ -73,23 +78,24 @@ def read_nuclei(path: Path) -> NDArray[np.float64]:
     InputError
         Missing or unreadable file, wrong shape, values that are not finite.
     """
-    key = "discretization.nuclei"
+    key, allowed = "discretization.nuclei", "x y z on each line, in m, or .npy of shape (n, 3)"
+    x: NDArray[Any]
     try:
         with warnings.catch_warnings(action="ignore"):  # numpy warns of empty files; the shape tells as much
             if path.suffix == ".npy":
-                with path.open("rb") as file:
-                    x = np.lib.format.read_array(file)
+                check_file(path, key, allowed, _MOST_BYTES)
+                x = np.lib.format.open_memmap(path, mode="r")  # takes no memory for what the file does not hold
             else:
-                x = np.loadtxt(path, ndmin=2)
-    except OSError as error:
-        raise InputError(key, f"cannot read {path}: {error.strerror or error}", "a readable file") from error
-    except (ValueError, EOFError) as error:
-        raise InputError(key, f"{path} does not hold numbers: {error}", "x y z on each line, in m") from error
+                x = np.loadtxt(io.StringIO(read_text(path, key, allowed, _MOST_BYTES_OF_TEXT)), ndmin=2)
+    except InputError:
+        raise
+    except Exception as error:  # NumPy raises many kinds for damaged files
+        raise InputError(key, f"{path} does not hold numbers: {error}", allowed) from error
     if x.ndim != 2 or x.shape[1] != 3 or not len(x):
         raise InputError(key, f"{path} holds an array of shape {x.shape}", "one row of x y z per nucleus")
     if x.dtype.kind not in "iuf" or not np.isfinite(x).all():
         raise InputError(key, f"{path} holds values that are not finite numbers", "finite coordinates in m")
-    return np.ascontiguousarray(x, dtype=np.float64)
+    return np.array(x, dtype=np.float64, order="C")
 
 
 def nuclei_from_case(case: Case, box: Box) -> Nuclei:
