@@ -351,6 +351,26 @@ def test_gauge_and_displacement_control_are_the_same_while_elastic():
     np.testing.assert_allclose(ratios, ratios[0], rtol=1e-8)
 
 
+def test_the_gauge_is_recorded_whatever_is_controlled():
+    """In the same elastic state gauge, displacement of the load and load are the same under either control."""
+    by_gauge = next(Simulation(beam(control={"target": 1e-8})).steps())
+    target = 50 * by_gauge.load_displacement
+    by_displacement = next(Simulation(beam(control={"type": "displacement", "target": target})).steps())
+    values = [[s.gauge / s.load, s.load_displacement / s.load] for s in (by_gauge, by_displacement)]
+    np.testing.assert_allclose(values[1], values[0], rtol=1e-6)
+    assert values[0][0] / values[0][1] != pytest.approx(1.0, rel=1e-3)
+    assert (by_gauge.quantity, by_gauge.control, by_gauge.controlled) == ("gauge", "gauge", by_gauge.gauge)
+    assert (by_displacement.quantity, by_displacement.control) == ("displacement", "displacement")
+    assert by_displacement.controlled == by_displacement.load_displacement == target / 200
+    assert by_displacement.snapshot.displacement.any()
+
+
+def test_a_gauge_that_is_only_recorded_must_be_on_the_specimen_too():
+    gauge = {"gauge": {"b": {"face": "bottom", "at": 0.2}}}
+    with pytest.raises(InputError, match=r"gauge\.b\.at: 0\.2 m is off the face"):
+        Simulation(beam(**gauge, control={"type": "displacement"}))
+
+
 def tension(**changes):
     """A prismatic bar, clamped at one end and pulled at the other."""
     data = changed(

@@ -91,15 +91,15 @@ def run(
 
 def _record(simulation: Simulation, recorder: Recorder, on_step: Callable[[Step], None] | None) -> Result:
     """Step to the end, recording; save whatever there is when the run ends early."""
-    number, gauge = 0, 0.0
+    number, controlled = 0, 0.0
     try:
         for step in simulation.steps():
             recorder.add(step)
-            number, gauge = step.number, step.gauge
+            number, controlled = step.number, step.controlled
             if on_step is not None:
                 on_step(step)
     except (RunStopped, MemoryError) as error:
-        stop = error if isinstance(error, RunStopped) else RunStopped("out of memory", number + 1, gauge)
+        stop = error if isinstance(error, RunStopped) else RunStopped("out of memory", number + 1, controlled)
         stop.result = recorder.finish("stopped", str(stop))  # type: ignore[attr-defined]
         raise stop from (None if stop is error else error)
     except KeyboardInterrupt as error:

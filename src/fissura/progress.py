@@ -135,7 +135,7 @@ class RunProgress(_Live):
     def _line(self, step: Step, now: float) -> str:
         parts = [
             f"step {step.number}",
-            f"{self._quantity} {length(step.gauge)}",
+            f"{self._quantity} {length(step.controlled)}",
             f"load {force(step.load)}{self._left_of_peak(step)}",
             f"{step.bodies} bodies",
             _count(self._refinements, "refinement"),
@@ -146,7 +146,7 @@ class RunProgress(_Live):
         return ", ".join(parts if left is None else [*parts, f"about {duration(left)} left"])
 
     def _left_of_peak(self, step: Step) -> str:
-        """What is left of the peak load, past it; the gauge says little while energy leads."""
+        """What is left of the peak load, past it; the controlled quantity says little while energy leads."""
         load, peak = abs(step.load), self._done.peak
         return f" ({100 * load / peak:.0f} % of the peak)" if step.control == "dissipation" and load < peak else ""
 

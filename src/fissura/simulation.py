@@ -175,7 +175,7 @@ class Simulation:
             attempt = self._attempt(path, solver, follower, goal)
             if attempt is not None:
                 step, last = attempt
-                follower.succeeded(goal, last, step.gauge - value, path.dissipated - dissipated, step.gauge)
+                follower.succeeded(goal, last, step.controlled - value, path.dissipated - dissipated, step.controlled)
                 yield step
                 self._coarsen(path)
             elif not follower.failed(unloaded=path.now.load == 0.0):
@@ -310,7 +310,9 @@ class Simulation:
         state: ElasticState,
     ) -> Step:
         system = path.system
-        displacement = float(system.load @ found.response.u)
+        by_gauge = self.case.quantity == "gauge"
+        displacement = float(system.load @ found.response.u) if by_gauge else found.value
+        gauge = found.value if by_gauge or system.gauge is None else float(system.gauge @ found.response.u)
         spent = system.dissipated(path.now.response, found.response)
         path.spent = float(spent.sum())
         path.dissipated += path.spent
@@ -322,7 +324,7 @@ class Simulation:
         path.peak = max(path.peak, abs(found.load))
         step = Step(
             number=path.number,
-            gauge=found.value,
+            gauge=gauge,
             load=found.load,
             load_displacement=displacement,
             bodies=len(system.tessellation),
@@ -340,6 +342,7 @@ class Simulation:
             residual=found.norms.force,
             snapshot=self._snapshot(system, found, criterion, state.stress),
             control=goal.control,
+            quantity=self.case.quantity,
             load_change=path.load_change,
             spent=spent,
             utilisation=state.utilisation,

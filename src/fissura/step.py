@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fissura.tessellation import Tessellation
+
+if TYPE_CHECKING:
+    from fissura.case import Quantity
 
 __all__ = ["Snapshot", "Step"]
 
@@ -62,11 +66,11 @@ class Step:
     number : int
         1, 2, ...
     gauge : float
-        The controlled quantity [m]; it may turn back where dissipated energy leads.
+        The gauge, or where there is none the displacement of the load [m].
     load : float
         Load [N].
     load_displacement : float
-        Mean displacement under the load, along it [m].
+        Mean displacement of the load's place, along the load [m].
     bodies, fine_bodies : int
         Bodies, and those of them in the refined region.
     refinements, coarsenings : int
@@ -90,6 +94,8 @@ class Step:
         Sizes of all changes of the load that refinement made at a kept gauge since the step before [N].
     spent : (m,) array
         Energy that each contact of the snapshot dissipated in this step [J].
+    quantity : str
+        The controlled quantity: "gauge" or "displacement" of the load.
     utilisation : (m,) array
         Effective traction over strength of the snapshot's coarse contacts, as the criterion saw it; 0 for fine contacts
         and in elastic regions.
@@ -117,3 +123,9 @@ class Step:
     load_change: float = 0.0
     spent: FloatArray = field(default_factory=lambda: np.zeros(0))
     utilisation: FloatArray = field(default_factory=lambda: np.zeros(0))
+    quantity: Quantity = "gauge"
+
+    @property
+    def controlled(self) -> float:
+        """Value of the controlled quantity [m]; it may turn back where dissipated energy leads."""
+        return self.gauge if self.quantity == "gauge" else self.load_displacement

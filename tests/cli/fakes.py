@@ -55,7 +55,7 @@ class FakeSimulation:
         for number in range(1, 21):
             yield SimpleNamespace(
                 number=number,
-                gauge=self.case.control.target * number / 20,
+                controlled=self.case.control.target * number / 20,
                 load=1234.0,
                 bodies=100 + number,
                 refinements=int(number % 5 == 0),

@@ -76,7 +76,9 @@ def test_progress_where_energy_leads(tiny: Path, capsys: pytest.CaptureFixture[s
     for number, (gauge, load) in enumerate([(1e-6, 200.0), (1.2e-6, 400.0), (1.1e-6, 210.0), (1.05e-6, 20.0)], 1):
         leads = "gauge" if number == 1 else "dissipation"
         progress.step(
-            SimpleNamespace(number=number, gauge=gauge, load=load, bodies=9, refinements=1, iterations=2, control=leads)  # type: ignore[arg-type]
+            SimpleNamespace(
+                number=number, controlled=gauge, load=load, bodies=9, refinements=1, iterations=2, control=leads
+            )  # type: ignore[arg-type]
         )
     lines = capsys.readouterr().err.splitlines()
     assert [line.split("%")[0].strip() for line in lines] == ["50", "60", "60", "100"]

@@ -159,7 +159,7 @@ def test_the_band_of_equal_curves_is_the_curve() -> None:
     assert found.over == "gauge"
     assert found.whole.all()
     for line in (found.mean, *found.percentiles):
-        np.testing.assert_allclose(line, np.interp(found.abscissa, one.gauge, one.load), atol=1e-12)
+        np.testing.assert_allclose(line, np.interp(found.abscissa, one.value, one.load), atol=1e-12)
 
 
 def test_a_curve_that_ends_early_counts_up_to_its_end_only() -> None:
@@ -185,7 +185,7 @@ def test_runs_that_snap_back_are_averaged_over_energy() -> None:
     assert found is not None
     assert found.over == "dissipated energy"
     np.testing.assert_allclose(found.mean, np.interp(found.abscissa, [0.0, 1.0, 2.0], [2.0, 3.0, 1.0]))
-    np.testing.assert_allclose(found.gauge, np.interp(found.abscissa, [0.0, 1.0, 2.0], [1.0, 2.0, 2.25]))
+    np.testing.assert_allclose(found.value, np.interp(found.abscissa, [0.0, 1.0, 2.0], [1.0, 2.0, 2.25]))
     assert band([back, path([1.0], [1.0], [0.0])]) is None
     assert band([]) is None
 

@@ -90,6 +90,20 @@ def test_the_axis_names_the_quantity(tmp_path, monkeypatch):
         monkeypatch.undo()
 
 
+def test_measured_loads_are_drawn_over_the_gauge(tmp_path, monkeypatch):
+    """The columns of gauge and displacement differ by a factor of two here."""
+    (tmp_path / "band.csv").write_text("0.001,50,100\n0.03,100,200\n")
+    for more, name, end in (({}, "displacement of the load", 15), ({"measured": tmp_path / "band.csv"}, "gauge", 30)):
+        recorder = Recorder(simulation({"type": "displacement"}, vtk=0, **more), None)
+        for taken in snapping():
+            recorder.add(taken)
+        result = recorder.finish("finished")
+        (axes,) = drawn(monkeypatch, lambda result=result: plot_curve(result, tmp_path / "curve.png"))
+        assert axes.get_xlabel().startswith(name)
+        assert axes.get_xlim() == pytest.approx((0.0, 1.02 * end))
+        monkeypatch.undo()
+
+
 def test_comparison_over_energy(tmp_path, monkeypatch):
     comparison = compare_results(snapped(), snapped())
     upper, lower = drawn(monkeypatch, lambda: comparison.plot(tmp_path / "compare.png"))

@@ -16,6 +16,7 @@ from fissura.case.model import (
     Notch,
     Output,
     Patch,
+    Quantity,
     Specimen,
     Support,
 )
@@ -37,6 +38,7 @@ __all__ = [
     "Notch",
     "Output",
     "Patch",
+    "Quantity",
     "Specimen",
     "Support",
     "case_from_dict",

@@ -55,9 +55,13 @@ __all__ = [
     "Output",
     "Part",
     "Patch",
+    "Quantity",
     "Specimen",
     "Support",
 ]
+
+Quantity = Literal["gauge", "displacement"]
+"""What may be controlled: the gauge, or the displacement of the load."""
 
 #: Axis along which positions on a face are given unless the case says otherwise.
 FACE_AXIS: dict[str, Axis] = {"left": "y", "right": "y"}
@@ -229,7 +233,7 @@ class Case(Part):
         return found
 
     @property
-    def quantity(self) -> Literal["gauge", "displacement"]:
+    def quantity(self) -> Quantity:
         """The controlled quantity: the gauge, or the displacement of the load."""
         if self.control.type == "dissipation":
             return "displacement" if self.gauge is None else "gauge"

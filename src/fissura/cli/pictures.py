@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
-from fissura.cli.console import check_ending, errors, print_table, writing
+from fissura.cli.console import check_ending, errors, print_table, warnings, writing
 
 __all__ = ["animate", "compare", "moments"]
 
@@ -29,7 +30,8 @@ def compare(
     with errors():
         from fissura.results.compare import compare as compare_folders
 
-        comparison = compare_folders(a, b)
+        with warnings(Console(stderr=True)):
+            comparison = compare_folders(a, b)
         print_table(comparison.table(), title=f"{a} against {b}")
         picture = plot if plot is not None else a / "compare.png"
         check_ending(picture, "--plot")

@@ -7,12 +7,17 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.results.curve import COLUMN_OF
 from fissura.results.path import LoadPath
 from fissura.results.summary import write_atomically
+
+if TYPE_CHECKING:
+    from fissura.case import Quantity
 
 __all__ = ["Band", "band", "write_band"]
 
@@ -26,7 +31,7 @@ PERCENTILES = (5.0, 50.0, 95.0)
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """Loads of many runs at the same gauge, or at the same dissipated energy.
+    """Loads of many runs at the same value of the controlled quantity, or at the same dissipated energy.
 
     A run that ended counts up to its end and not beyond: nothing is known of it there. Where runs are missing, the
     others are not a fair sample any more (those that end early may be the weak ones), so whoever draws the band must
@@ -35,7 +40,8 @@ class Band:
     Attributes
     ----------
     over : str
-        ``"gauge"``, or ``"dissipated energy"`` if the gauge of any run turns back.
+        ``"gauge"`` or ``"displacement of the load"``, whichever is controlled, or ``"dissipated energy"`` if that of
+        any run turns back.
     abscissa : (k,) array
         Its values [m or J], up to where fewer than half of the runs are left.
     count : (k,) array
@@ -44,8 +50,10 @@ class Band:
         Mean load [N].
     percentiles : (3, k) array
         5 %, 50 % and 95 % of the loads [N].
-    gauge : (k,) array
-        Mean gauge there [m].
+    value : (k,) array
+        Mean of the controlled quantity there [m].
+    quantity : str
+        What is controlled, "gauge" or "displacement".
     """
 
     over: str
@@ -53,7 +61,8 @@ class Band:
     count: NDArray[np.int64]
     mean: FloatArray
     percentiles: FloatArray
-    gauge: FloatArray
+    value: FloatArray
+    quantity: Quantity = "gauge"
 
     @property
     def whole(self) -> NDArray[np.bool_]:
@@ -64,8 +73,8 @@ class Band:
 def band(paths: Sequence[LoadPath]) -> Band | None:
     """Mean curve of runs.
 
-    Loads are interpolated linearly, as in `fissura.results.compare`: over the gauge from the unloaded state on, or over
-    energy from the last state on at which nothing was dissipated.
+    Loads are interpolated linearly, as in `fissura.results.compare`: over what is controlled from the unloaded state
+    on, or over energy from the last state on at which nothing was dissipated.
 
     Parameters
     ----------
@@ -75,27 +84,28 @@ def band(paths: Sequence[LoadPath]) -> Band | None:
     Returns
     -------
     Band or None
-        None without runs, or if the gauge of one turns back and not all have dissipated energy.
+        None without runs, or if what is controlled turns back in one and not all have dissipated energy.
     """
     if not paths:
         return None
-    by_gauge = all(path.grows for path in paths)
-    if not by_gauge and any(path.energy[-1] <= 0.0 for path in paths):
+    grows = all(path.grows for path in paths)
+    if not grows and any(path.energy[-1] <= 0.0 for path in paths):
         return None
-    lines = [path.over_gauge() if by_gauge else path.over_energy() for path in paths]
+    lines = [path.over_value() if grows else path.over_energy() for path in paths]
     ends = np.sort([x[-1] for x, _ in lines])
     # More than half of the runs reach the last point.
     x = np.linspace(0.0, ends[(len(ends) - 1) // 2], POINTS + 1)
     x = np.union1d(x, ends[: (len(ends) - 1) // 2 + 1])
-    loads = np.stack([np.interp(x, own, values[0], right=np.nan) for own, values in lines])
-    gauges = np.stack([np.interp(x, own, values[1], right=np.nan) for own, values in lines])
+    loads = np.stack([np.interp(x, own, of[0], right=np.nan) for own, of in lines])
+    values = np.stack([np.interp(x, own, of[1], right=np.nan) for own, of in lines])
     return Band(
-        "gauge" if by_gauge else "dissipated energy",
+        paths[0].name if grows else "dissipated energy",
         x,
         np.isfinite(loads).sum(axis=0),
         np.nanmean(loads, axis=0),
         np.nanpercentile(loads, PERCENTILES, axis=0),
-        np.nanmean(gauges, axis=0),
+        np.nanmean(values, axis=0),
+        paths[0].quantity,
     )
 
 
@@ -103,8 +113,9 @@ def write_band(found: Band, path: Path) -> None:
     """Write a band as CSV."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    first = "gauge_m" if found.over == "gauge" else "dissipated_J"
-    writer.writerow([first, "runs", "mean_load_N", *(f"p{p:02.0f}_load_N" for p in PERCENTILES), "mean_gauge_m"])
-    for row in zip(found.abscissa, found.count, found.mean, *found.percentiles, found.gauge, strict=True):
+    column = COLUMN_OF[found.quantity]
+    first = "dissipated_J" if found.over == "dissipated energy" else column
+    writer.writerow([first, "runs", "mean_load_N", *(f"p{p:02.0f}_load_N" for p in PERCENTILES), f"mean_{column}"])
+    for row in zip(found.abscissa, found.count, found.mean, *found.percentiles, found.value, strict=True):
         writer.writerow([int(value) if k == 1 else f"{value:.12g}" for k, value in enumerate(row)])
     write_atomically(path, text.getvalue().encode())

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from fissura.ensemble.band import Band
 from fissura.ensemble.result import EnsembleResult
 from fissura.results.measured import read_measured
-from fissura.results.path import LoadPath
+from fissura.results.path import NAMES, LoadPath
 from fissura.results.pictures import (
     BLUE,
     INK,
@@ -32,21 +32,22 @@ WIDE = 7.2
 def plot_curves(result: EnsembleResult) -> Figure | None:
     """Draw all curves, their mean and percentile band, and the deterministic run.
 
-    If the gauge of a run turns back, mean and band are over the dissipated energy, in a panel of their own. Where not
-    every run counts any more, the mean is dashed and the band is paler.
+    If what is controlled turns back in a run, mean and band are over the dissipated energy, in a panel of their own.
+    Where not every run counts any more, the mean is dashed and the band is paler.
     """
     if not result.paths:
         return None
     found = result.band
-    over_energy = found is not None and found.over != "gauge"
+    over_energy = found is not None and found.over == "dissipated energy"
     figure = Figure(figsize=(WIDE, 7.6 if over_energy else 4.8), layout="constrained")
     panels = figure.subplots(2 if over_energy else 1, 1, squeeze=False)[:, 0]
     axes, banded = panels[0], panels[-1]
     paths = result.paths
-    x, x_unit = gauge_unit(max(float(path.gauge.max()) for path in paths.values()))
+    x, x_unit = gauge_unit(max(float(path.value.max()) for path in paths.values()))
     y, y_unit = load_unit(max(float(np.abs(path.load).max()) for path in paths.values()))
-    measured = result.plan.case.output.measured
-    if measured is not None and measured.exists():
+    case, measured = result.plan.case, result.plan.case.output.measured
+    seen = case.quantity == "gauge" or case.gauge is None  # measured loads are over the gauge
+    if seen and measured is not None and measured.exists():
         fill_measured(axes, read_measured(measured), x, y)
     finished = set(result.runs["number"][result.runs["status"] == "finished"].tolist())
     _lines(axes, [path for k, path in paths.items() if k in finished], x, y, LIGHT, f"{len(finished)} runs", 0.55)
@@ -55,7 +56,7 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
     alone = list(result.companion_paths.values())
     if len(alone) == 1:
         axes.plot(
-            alone[0].gauge * x,
+            alone[0].value * x,
             alone[0].load * y,
             color=INK,
             linewidth=1.3,
@@ -71,9 +72,9 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
             banded.set_xlabel(f"dissipated energy [{u_unit}]")
             banded.set_ylabel(f"load [{y_unit}]")
             banded.set_xlim(0.0, float(found.abscissa[-1]) * u)
-    axes.set_xlabel(f"{'gauge' if result.plan.case.quantity == 'gauge' else 'displacement of the load'} [{x_unit}]")
+    axes.set_xlabel(f"{NAMES[case.quantity]} [{x_unit}]")
     axes.set_ylabel(f"load [{y_unit}]")
-    axes.set_xlim(left=min(0.0, 1.02 * x * min(float(path.gauge.min()) for path in paths.values())))
+    axes.set_xlim(left=min(0.0, 1.02 * x * min(float(path.value.min()) for path in paths.values())))
     for panel in panels:
         tidy(panel)
         panel.set_ylim(bottom=min(0.0, 1.02 * y * min(float(path.load.min()) for path in paths.values())))
@@ -81,7 +82,8 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
     headline(
         axes,
         "Load",
-        f"{len(paths)} runs of {result.plan.case.name}" + ("; the gauge turns back" if over_energy else ""),
+        f"{len(paths)} runs of {result.plan.case.name}"
+        + (f"; the {NAMES[case.quantity]} turns back" if over_energy else ""),
     )
     return figure
 
@@ -89,7 +91,7 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
 def _lines(axes: Axes, paths: list[LoadPath], x: float, y: float, colour: str, label: str, alpha: float) -> None:
     for k, path in enumerate(paths):
         axes.plot(
-            path.gauge * x, path.load * y, color=colour, linewidth=0.7, alpha=alpha, label=label if k == 0 else None
+            path.value * x, path.load * y, color=colour, linewidth=0.7, alpha=alpha, label=label if k == 0 else None
         )
 
 

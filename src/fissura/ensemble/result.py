@@ -18,7 +18,7 @@ from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.table import Table, read_table, select
 from fissura.errors import InputError
 from fissura.results import quantities as text
-from fissura.results.curve import read_curve
+from fissura.results.curve import COLUMN_OF, read_curve
 from fissura.results.path import LoadPath
 from fissura.results.result import Result
 from fissura.results.summary import read_summary, write_atomically
@@ -191,8 +191,8 @@ class EnsembleResult:
         found = {}
         for number in of["number"].tolist():
             curve: dict[str, Any] = read_curve(self.place(number, kind))
-            if np.any(curve["gauge_m"] > 0):
-                found[number] = LoadPath.of(curve, str(self.place(number, kind)))
+            if np.any(curve[COLUMN_OF[self.plan.case.quantity]] > 0):
+                found[number] = LoadPath.of(curve, str(self.place(number, kind)), self.plan.case.quantity)
         return found
 
     def __repr__(self) -> str:

@@ -145,6 +145,10 @@ class System:
         self.moduli = self._moduli(1.0)
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
         self.control: FloatArray = attach(conditions.control, tessellation).ravel()
+        #: Coefficients of the gauge, whatever is controlled; None where there is none.
+        self.gauge: FloatArray | None = None
+        if conditions.gauge is not None:
+            self.gauge = attach(conditions.gauge, tessellation).ravel()
 
         self.conditions = conditions
         # Places and owners of external forces, for the stress in bodies.

@@ -122,7 +122,7 @@ def _drawn(result: Result, frames: Sequence[Frame], look: Look, width: int) -> I
 
     canvas, stage, curve = _canvas(result, look, width)
     figure = canvas.figure
-    x_scale = gauge_unit(float(np.abs(result.gauge).max()))[0]
+    x_scale = gauge_unit(float(np.abs(result.controlled).max()))[0]
     y_scale = load_unit(float(np.abs(result.load_values).max()))[0]
     for line in curve.get_lines():
         line.set(color=GREY, linewidth=1.2)
@@ -141,14 +141,14 @@ def _drawn(result: Result, frames: Sequence[Frame], look: Look, width: int) -> I
     title = figure.text(0.012, 0.965, "", fontsize=11, fontweight="bold", color=INK, va="top")
     note = figure.text(0.988, 0.965, "", fontsize=10, color=INK, va="top", ha="right")
     title.set_text(result.case.name)
-    gauge, load = np.append(0.0, result.gauge) * x_scale, np.append(0.0, result.load_values) * y_scale
+    value, load = np.append(0.0, result.controlled) * x_scale, np.append(0.0, result.load_values) * y_scale
     steps = np.append(0, result.curve["step"])
     for frame in frames:
         stage.show(frame)
         until = int(np.searchsorted(steps, frame.number, side="right"))
-        grown.set_data(gauge[:until], load[:until])
-        dot.set_data([frame.gauge * x_scale], [frame.load * y_scale])
-        note.set_text(f"{text.length(frame.gauge)},  {text.force(frame.load)},  {text.count(frame.bodies)} bodies")
+        grown.set_data(value[:until], load[:until])
+        dot.set_data([frame.value * x_scale], [frame.load * y_scale])
+        note.set_text(f"{text.length(frame.value)},  {text.force(frame.load)},  {text.count(frame.bodies)} bodies")
         canvas.draw()  # type: ignore[no-untyped-call]
         pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
         yield Image.fromarray(pixels[..., :3].copy())

@@ -16,6 +16,7 @@ from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
 from fissura.results import quantities as text
+from fissura.results.path import NAMES
 from fissura.results.pictures import DPI, INK, headline, tidy
 from fissura.results.result import Result
 
@@ -222,6 +223,8 @@ def _panels(figure: Figure, whole: FloatArray, zoom: FloatArray, beside: bool) -
 
 def _titles(axes: Axes, result: Result) -> None:
     step = int(result.curve["step"][-1])
-    gauge, load = text.length(float(result.gauge[-1])), text.force(float(result.load_values[-1]))
+    value, load = text.length(float(result.controlled[-1])), text.force(float(result.load_values[-1]))
     bodies = text.count(float(result.curve["bodies"][-1]))
-    headline(axes, result.case.name, f"step {step}: gauge {gauge}, load {load}, {bodies} bodies")
+    headline(
+        axes, result.case.name, f"step {step}: {NAMES[result.case.quantity]} {value}, load {load}, {bodies} bodies"
+    )

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from fissura.errors import InputError
 
 if TYPE_CHECKING:
+    from fissura.case import Quantity
     from fissura.step import Step
 
-__all__ = ["COLUMNS", "Curve", "CurveWriter", "Row", "columns", "read_curve", "row"]
+__all__ = ["COLUMNS", "COLUMN_OF", "Curve", "CurveWriter", "Row", "columns", "read_curve", "row"]
 
 Curve = dict[str, NDArray[Any]]
 """Column name -> 1-D array, one entry per step; int64 for counts, text, float64 for all others."""
@@ -47,6 +48,9 @@ COLUMNS: tuple[str, ...] = (
     "control",
 )
 """Columns of ``curve.csv`` in order; the part after the last underscore is the unit, if there is one."""
+
+COLUMN_OF: dict[Quantity, str] = {"gauge": "gauge_m", "displacement": "load_displacement_m"}
+"""Column of each quantity that may be controlled."""
 
 COUNTS = frozenset(
     {

@@ -41,7 +41,7 @@ class Done:
         """
         load = abs(step.load)
         self.peak = max(self.peak, load)
-        shares = [self.share, step.gauge / self._target]
+        shares = [self.share, step.controlled / self._target]
         if self._by_load and load < self.peak:
             lost, all_of_it = 1.0 - load / self.peak, 1.0 - self._stop_load
             shares.append(lost / all_of_it if lost < all_of_it else 1.0)

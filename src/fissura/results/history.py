@@ -39,7 +39,7 @@ class Frame:
     ----------
     number : int
         Number of the step; 0 is the unloaded structure.
-    gauge, load : float
+    value, load : float
         Controlled quantity [m] and load [N].
     bodies : int
         Bodies of the whole structure.
@@ -54,7 +54,7 @@ class Frame:
     """
 
     number: int
-    gauge: float
+    value: float
     load: float
     bodies: int
     section: Section
@@ -77,14 +77,14 @@ class HistoryWriter:
         self._tessellation: Tessellation | None = None
         self._rows = Rows(np.empty(0, np.int64), np.empty(0, np.int64))
         self._sections: list[Section] = []
-        self._steps: list[tuple[int, float, float, int, int]] = []
+        self._steps: list[tuple[int, float, float, float, int, int]] = []
         self._fields: dict[str, list[NDArray[Any]]] = {"motion": [], "stress": [], "crack": [], "opening": []}
 
     def start(self, tessellation: Tessellation) -> None:
         """Take the unloaded structure as step 0."""
         bodies = len(self._cut(tessellation).bodies)
         nothing = np.empty(0, np.int64)
-        self._add((0, 0.0, 0.0), np.zeros((bodies, 3)), np.zeros(bodies), nothing, nothing)
+        self._add((0, 0.0, 0.0, 0.0), np.zeros((bodies, 3)), np.zeros(bodies), nothing, nothing)
 
     def add(self, step: Step) -> None:
         """Take an accepted step."""
@@ -93,11 +93,12 @@ class HistoryWriter:
         opening = snapshot.opening[rows.contacts]
         open_ = np.flatnonzero(opening > 0.0)
         stress = np.linalg.eigvalsh(snapshot.stress[rows.bodies])[:, -1]
-        self._add((step.number, step.gauge, step.load), self._motion(snapshot, rows), stress, open_, opening[open_])
+        values = (step.number, step.gauge, step.controlled, step.load)
+        self._add(values, self._motion(snapshot, rows), stress, open_, opening[open_])
 
     def write(self, path: Path) -> None:
         """Write everything; the arrays are documented in ``docs/files.md``."""
-        number, gauge, load, bodies, which = (np.array(values) for values in zip(*self._steps, strict=True))
+        number, gauge, controlled, load, bodies, which = (np.array(values) for values in zip(*self._steps, strict=True))
         write_archive(
             path,
             FORMAT,
@@ -112,6 +113,7 @@ class HistoryWriter:
                 "sections.line_offsets": _offsets(s.lines for s in self._sections),
                 "steps.number": number,
                 "steps.gauge": gauge,
+                "steps.controlled": controlled,
                 "steps.load": load,
                 "steps.bodies": bodies,
                 "steps.section": which,
@@ -132,7 +134,7 @@ class HistoryWriter:
         height, (rx, ry, rz) = self._z - x[:, 2], u[:, 3:].T
         return np.stack([u[:, 0] + ry * height + rz * x[:, 1], u[:, 1] - rx * height - rz * x[:, 0], rz], axis=1)
 
-    def _add(self, step: tuple[int, float, float], *fields: NDArray[Any]) -> None:
+    def _add(self, step: tuple[int, float, float, float], *fields: NDArray[Any]) -> None:
         assert self._tessellation is not None
         self._steps.append((*step, len(self._tessellation), len(self._sections) - 1))
         for (name, values), field in zip(self._fields.items(), fields, strict=True):
@@ -193,6 +195,7 @@ def _frames(arrays: dict[str, NDArray[Any]]) -> tuple[Frame, ...]:
         )
     ]
     frames, body = [], 0
+    controlled = arrays.get("steps.controlled", arrays["steps.gauge"])  # earlier files have only what was controlled
     cracks = arrays["steps.crack_offsets"]
     for k, which in enumerate(arrays["steps.section"]):
         section = sections[which]
@@ -202,7 +205,7 @@ def _frames(arrays: dict[str, NDArray[Any]]) -> tuple[Frame, ...]:
         frames.append(
             Frame(
                 int(arrays["steps.number"][k]),
-                float(arrays["steps.gauge"][k]),
+                float(controlled[k]),
                 float(arrays["steps.load"][k]),
                 int(arrays["steps.bodies"][k]),
                 section,

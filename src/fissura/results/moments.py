@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.results import quantities as text
+from fissura.results.curve import COLUMN_OF
 from fissura.results.history import Frame, read_history
 from fissura.results.panels import draw_curve, draw_scales
 from fissura.results.peak import peak_position
@@ -117,7 +118,8 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
 def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> None:
     """Draw two runs beside each other at the moments of the first.
 
-    The moments of run B are the steps nearest in what `Comparison.over` says: the gauge, or the dissipated energy.
+    The moments of run B are the steps nearest in what `Comparison.over` says: the gauge, the displacement of the load,
+    or the dissipated energy.
 
     Parameters
     ----------
@@ -164,10 +166,10 @@ def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
 
 def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
     """Mark moments on a curve that `draw_curve` drew."""
-    x_scale = gauge_unit(float(np.abs(result.gauge).max()))[0]
+    x_scale = gauge_unit(float(np.abs(result.controlled).max()))[0]
     y_scale = load_unit(float(np.abs(result.load_values).max()))[0]
     for moment in shown:
-        x, y = moment.frame.gauge * x_scale, moment.frame.load * y_scale
+        x, y = moment.frame.value * x_scale, moment.frame.load * y_scale
         axes.plot(
             x,
             y,
@@ -194,7 +196,7 @@ def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
 
 
 def _caption(axes: Axes, name: str, frame: Frame) -> None:
-    note = f"{text.length(frame.gauge)}, {text.force(frame.load)}, {text.count(frame.bodies)} bodies"
+    note = f"{text.length(frame.value)}, {text.force(frame.load)}, {text.count(frame.bodies)} bodies"
     axes.set_title(name, loc="left", fontsize=10, fontweight="bold", color=INK)
     axes.set_title(note, loc="right", fontsize=9, color=INK)
 
@@ -214,16 +216,20 @@ def _frames_of(result: Result) -> tuple[Frame, ...]:
 
 def _counterpart(comparison: Comparison, frame: Frame, others: Sequence[Frame]) -> Frame:
     """The frame of run B that is nearest to one of run A."""
-    b = comparison.b
-    gauges = np.array([other.gauge for other in others])
-    far = np.abs(gauges - frame.gauge) / max(float(np.abs(gauges).max()), 1e-300)
-    if comparison.over != "gauge":
-        energies = [_energy(b, other) for other in others]
-        far = far + 1e3 * np.abs(np.array(energies) - _energy(comparison.a, frame)) / max(max(energies), 1e-300)
+    far = _distances(comparison, COLUMN_OF[comparison.quantity], frame, others)
+    if comparison.by_energy:
+        far = far + 1e3 * _distances(comparison, "dissipated_J", frame, others)
     return others[int(far.argmin())]
 
 
-def _energy(result: Result, frame: Frame) -> float:
-    """Dissipated energy at a frame [J]."""
+def _distances(comparison: Comparison, column: str, frame: Frame, others: Sequence[Frame]) -> FloatArray:
+    """Distances of frames of run B from one of run A in a column of the curve, over the largest value there."""
+    values = np.array([_value(comparison.b, column, other) for other in others])
+    distances: FloatArray = np.abs(values - _value(comparison.a, column, frame))
+    return distances / max(float(np.abs(values).max()), 1e-300)
+
+
+def _value(result: Result, column: str, frame: Frame) -> float:
+    """Value of a column of the curve at a frame; 0 at the unloaded structure."""
     row = np.flatnonzero(result.curve["step"] == frame.number)
-    return max(float(result.curve["dissipated_J"][row[0]]), 0.0) if len(row) else 0.0
+    return float(result.curve[column][row[0]]) if len(row) else 0.0

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from fissura.results.peak import peak_position
-from fissura.results.pictures import BLUE, INK, ORANGE, gauge_name, gauge_unit, load_unit, tidy
+from fissura.results.pictures import AXIS_NAMES, BLUE, INK, ORANGE, gauge_unit, load_unit, tidy
 from fissura.results.stage import COARSE, EDGE, FINE, HEAT, TENSION, Look
 
 if TYPE_CHECKING:
@@ -23,12 +23,12 @@ __all__ = ["draw_curve", "draw_scales"]
 
 
 def draw_curve(axes: Axes, result: Result) -> None:
-    """Draw load over gauge in the units of the other pictures, with ticks where the discretization changed."""
-    gauge, load = result.gauge, result.load_values
-    x_scale, x_unit = gauge_unit(float(np.abs(gauge).max()))
+    """Draw load over what is controlled in the units of the other pictures, with ticks at refinements."""
+    value, load = result.controlled, result.load_values
+    x_scale, x_unit = gauge_unit(float(np.abs(value).max()))
     y_scale, y_unit = load_unit(float(np.abs(load).max()))
-    axes.plot(np.append(0.0, gauge) * x_scale, np.append(0.0, load) * y_scale, color=BLUE, linewidth=1.8, zorder=3)
-    refined = gauge[result.curve["refinements"] > 0] * x_scale
+    axes.plot(np.append(0.0, value) * x_scale, np.append(0.0, load) * y_scale, color=BLUE, linewidth=1.8, zorder=3)
+    refined = value[result.curve["refinements"] > 0] * x_scale
     if len(refined):
         axes.vlines(
             refined,
@@ -41,16 +41,16 @@ def draw_curve(axes: Axes, result: Result) -> None:
             zorder=2,
         )
         peak = peak_position(load)
-        falls = peak < len(load) - 1 and gauge[peak] < 0.5 * gauge.max()
+        falls = peak < len(load) - 1 and value[peak] < 0.5 * value.max()
         corner: dict[str, Any] = (
             {"loc": "upper right", "bbox_to_anchor": (1.0, 0.97)}
             if falls
             else {"loc": "lower right", "bbox_to_anchor": (1.0, 0.03)}
         )
         axes.legend(fontsize=8, labelcolor=INK, frameon=False, handlelength=1.0, **corner)
-    axes.set_xlim(min(0.0, 1.03 * float(gauge.min()) * x_scale), 1.03 * float(max(gauge.max(), 0.0)) * x_scale or None)
+    axes.set_xlim(min(0.0, 1.03 * float(value.min()) * x_scale), 1.03 * float(max(value.max(), 0.0)) * x_scale or None)
     axes.set_ylim(min(0.0, 1.2 * float(load.min()) * y_scale), 1.2 * float(max(load.max(), 0.0)) * y_scale or None)
-    axes.set_xlabel(f"{gauge_name(result)} [{x_unit}]")
+    axes.set_xlabel(f"{AXIS_NAMES[result.case.quantity]} [{x_unit}]")
     axes.set_ylabel(f"load [{y_unit}]")
     tidy(axes)
 

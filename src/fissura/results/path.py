@@ -1,18 +1,25 @@
-"""A run as a path: loads over what grows all along it, the gauge or else dissipated energy."""
+"""A run as a path: loads over what grows all along it, gauge or displacement, or else dissipated energy."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.results.curve import Curve
+from fissura.results.curve import COLUMN_OF, Curve
 
-__all__ = ["ROUND_OFF", "LoadPath"]
+if TYPE_CHECKING:
+    from fissura.case import Quantity
+
+__all__ = ["NAMES", "ROUND_OFF", "LoadPath"]
 
 FloatArray = NDArray[np.float64]
+
+NAMES: dict[Quantity, str] = {"gauge": "gauge", "displacement": "displacement of the load"}
+"""What loads may be drawn and compared over, in words."""
 
 ROUND_OFF = 1e-9
 """Part of the energy at the end below which a step has dissipated nothing."""
@@ -20,52 +27,62 @@ ROUND_OFF = 1e-9
 
 @dataclass(frozen=True)
 class LoadPath:
-    """Gauge, load and dissipated energy of a run, with the state before its first step in front.
+    """Gauge or displacement, load and dissipated energy of a run, with the state before its first step in front.
 
     Attributes
     ----------
     key : str
         Name of the run in messages.
-    gauge, load, energy : (steps + 1,) array
-        Controlled quantity [m], load [N], energy dissipated so far [J].
+    value, load, energy : (steps + 1,) array
+        Gauge or displacement of the load [m], load [N], energy dissipated so far [J].
+    quantity : str
+        Which of the two `value` is: "gauge" or "displacement".
     """
 
     key: str
-    gauge: FloatArray
+    value: FloatArray
     load: FloatArray
     energy: FloatArray
+    quantity: Quantity = "gauge"
 
     @classmethod
-    def of(cls, curve: Curve, key: str) -> LoadPath:
-        """Path of a curve.
+    def of(cls, curve: Curve, key: str, quantity: Quantity) -> LoadPath:
+        """Path of a curve, over the gauge or over the displacement of the load.
 
         Raises
         ------
         InputError
-            The curve has no step with a positive gauge.
+            The curve has no step in which that is positive.
         """
-        if not np.any(curve["gauge_m"] > 0):
-            raise InputError(key, "has no step with a positive gauge", "a run of at least one step")
+        value = curve[COLUMN_OF[quantity]].astype(np.float64)
+        if not np.any(value > 0):
+            raise InputError(key, f"has no step with a positive {NAMES[quantity]}", "a run of at least one step")
         return cls(
             key,
-            np.append(0.0, curve["gauge_m"].astype(np.float64)),
+            np.append(0.0, value),
             np.append(0.0, curve["load_N"].astype(np.float64)),
             np.append(0.0, curve["dissipated_J"].astype(np.float64)),
+            quantity,
         )
 
     @property
-    def grows(self) -> bool:
-        """Whether the gauge grows from step to step."""
-        return bool(np.all(np.diff(self.gauge) > 0))
+    def name(self) -> str:
+        """What `value` is, in words."""
+        return NAMES[self.quantity]
 
-    def over_gauge(self) -> tuple[FloatArray, FloatArray]:
-        """Gauges, and loads, gauges and energies at them, shape (3, k)."""
-        return self.gauge, np.stack([self.load, self.gauge, self.energy])
+    @property
+    def grows(self) -> bool:
+        """Whether the value grows from step to step."""
+        return bool(np.all(np.diff(self.value) > 0))
+
+    def over_value(self) -> tuple[FloatArray, FloatArray]:
+        """Values, and loads, values and energies at them, shape (3, k)."""
+        return self.value, np.stack([self.load, self.value, self.energy])
 
     def until_turning(self) -> tuple[FloatArray, FloatArray]:
-        """Gauges as long as they grow, and loads and energies at them, shape (2, k)."""
-        end = int(np.argmax(np.append(np.diff(self.gauge) <= 0, True))) + 1
-        return self.gauge[:end], np.stack([self.load, self.energy])[:, :end]
+        """Values as long as they grow, and loads and energies at them, shape (2, k)."""
+        end = int(np.argmax(np.append(np.diff(self.value) <= 0, True))) + 1
+        return self.value[:end], np.stack([self.load, self.energy])[:, :end]
 
     def over_energy(self) -> tuple[FloatArray, FloatArray]:
         """Energies, and the same at them, from the last step on that dissipated nothing.
@@ -81,5 +98,7 @@ class LoadPath:
         energy[energy <= ROUND_OFF * energy[-1]] = 0.0
         last = np.append(np.diff(energy) > 0, True)
         if last.sum() < 2:
-            raise InputError(self.key, "has a gauge that turns back, and no dissipated energy", "a run with damage")
-        return energy[last], np.stack([self.load, self.gauge, energy])[:, last]
+            raise InputError(
+                self.key, f"has a {self.name} that turns back, and no dissipated energy", "a run with damage"
+            )
+        return energy[last], np.stack([self.load, self.value, energy])[:, last]

@@ -16,12 +16,12 @@ from fissura.results.peak import peak_position
 from fissura.results.result import Result
 
 if TYPE_CHECKING:
+    from fissura.case import Quantity
     from fissura.results.compare import Comparison
 
 __all__ = [
     "energy_unit",
     "fill_measured",
-    "gauge_name",
     "gauge_unit",
     "headline",
     "legend",
@@ -36,11 +36,15 @@ FloatArray = NDArray[np.float64]
 BLUE, LIGHT, ORANGE, GREY, INK = "#1f4e79", "#8fb8dc", "#d1641b", "#c9ccd1", "#30343b"
 DPI = 160
 
+AXIS_NAMES: dict[Quantity, str] = {"gauge": "gauge opening", "displacement": "displacement of the load"}
+"""What loads are drawn over, for axes."""
+
 
 def plot_curve(result: Result, path: Path) -> None:
-    """Draw load over gauge: steps, peak, refinements, and the measured band if the case names one.
+    """Draw load over what is controlled: steps, peak, refinements, and the measured band if the case names one.
 
-    Steps in which dissipated energy led have lighter dots.
+    Measured loads are over the gauge, so with them it is over the gauge if the case has one. Steps in which dissipated
+    energy led have lighter dots.
 
     Parameters
     ----------
@@ -56,11 +60,13 @@ def plot_curve(result: Result, path: Path) -> None:
     """
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.add_subplot()
-    gauge, load = result.gauge, result.load_values
-    x_scale, x_unit = gauge_unit(float(gauge.max()))
+    measured = result.case.output.measured
+    quantity = result.case.quantity if measured is None or result.case.gauge is None else "gauge"
+    gauge, load = result.values_of(quantity), result.load_values
+    x_scale, x_unit = gauge_unit(float(np.abs(gauge).max()))
     y_scale, y_unit = load_unit(float(np.abs(load).max()))
-    if result.case.output.measured is not None:
-        band = read_measured(result.case.output.measured)
+    if measured is not None:
+        band = read_measured(measured)
         fill_measured(axes, band, x_scale, y_scale)
     axes.plot(
         np.append(0.0, gauge) * x_scale,
@@ -103,13 +109,13 @@ def plot_curve(result: Result, path: Path) -> None:
     peak = peak_position(load)
     # Headroom for the note at the peak; the part of the band beyond the run counts, too, where it shows.
     top = max(float(load.max()) * y_scale, 0.0)
-    if result.case.output.measured is not None:
+    if measured is not None:
         seen = band.gauge <= farthest
         top = max(top, float(np.max(band.upper[seen], initial=0.0)) * y_scale)
     axes.set_ylim(min(0.0, 1.08 * float(load.min()) * y_scale), 1.16 * top if top > 0 else None)
     _note_peak(axes, float(gauge[peak]), float(load[peak]), x_scale, y_scale)
     tidy(axes)
-    axes.set_xlabel(f"{gauge_name(result)} [{x_unit}]")
+    axes.set_xlabel(f"{AXIS_NAMES[quantity]} [{x_unit}]")
     axes.set_ylabel(f"load [{y_unit}]")
     headline(axes, result.case.name, _kind(result))
     _legend(axes, gauge, load)
@@ -119,23 +125,23 @@ def plot_curve(result: Result, path: Path) -> None:
 def plot_comparison(comparison: Comparison, path: Path) -> None:
     """Draw two curves, and below them the difference of their loads as per cent of the reference's peak."""
     figure = Figure(figsize=(7.2, 5.6), layout="constrained")
-    by_gauge = comparison.over == "gauge"
-    upper, lower = figure.subplots(2, 1, sharex=by_gauge, height_ratios=(3, 1))
+    by_energy, quantity = comparison.by_energy, comparison.quantity
+    upper, lower = figure.subplots(2, 1, sharex=not by_energy, height_ratios=(3, 1))
     a, b = comparison.a, comparison.b
-    x_scale, x_unit = gauge_unit(max(float(a.gauge.max()), float(b.gauge.max())))
+    values = [run.values_of(quantity) for run in (a, b)]
+    x_scale, x_unit = gauge_unit(max(float(np.abs(value).max()) for value in values))
     reference = abs(comparison.peaks[1])
     y_scale, y_unit = load_unit(reference)
-    for run, colour, style, width in ((b, GREY, "-", 3.6), (a, BLUE, "-", 1.4)):
+    for run, value, colour, width in ((b, values[1], GREY, 3.6), (a, values[0], BLUE, 1.4)):
         upper.plot(
-            np.append(0.0, run.gauge) * x_scale,
+            np.append(0.0, value) * x_scale,
             np.append(0.0, run.load_values) * y_scale,
-            style,
             color=colour,
             linewidth=width,
             label=f"{'A' if run is a else 'B'}: {_kind(run)}",
         )
     share = 100 * (comparison.load_a - comparison.load_b) / reference if reference else 0 * comparison.load_b
-    over_scale, over_unit = (x_scale, x_unit) if by_gauge else energy_unit(float(comparison.abscissa[-1]))
+    over_scale, over_unit = energy_unit(float(comparison.abscissa[-1])) if by_energy else (x_scale, x_unit)
     over = comparison.abscissa * over_scale
     lower.axhline(0.0, color=INK, linewidth=0.8)
     lower.fill_between(over, share, color=BLUE, alpha=0.25, linewidth=0)
@@ -143,10 +149,10 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
     limit = max(1.25 * float(np.abs(share).max()), 0.1)
     lower.set_ylim(-limit, limit)
     lower.set_ylabel("A − B\n[% of peak]")
-    (lower if by_gauge else upper).set_xlabel(f"{gauge_name(b)} [{x_unit}]")
-    if not by_gauge:
+    (upper if by_energy else lower).set_xlabel(f"{AXIS_NAMES[quantity]} [{x_unit}]")
+    if by_energy:
         lower.set_xlabel(f"{comparison.over} [{over_unit}]")
-        upper.set_xlim(left=min(0.0, 1.02 * float(min(a.gauge.min(), b.gauge.min())) * x_scale))
+        upper.set_xlim(left=min(0.0, 1.02 * min(float(value.min()) for value in values) * x_scale))
     lower.set_xlim(left=0.0)
     upper.set_ylabel(f"load [{y_unit}]")
     least = min(0.0, float(a.load_values.min()), float(b.load_values.min())) * y_scale
@@ -158,7 +164,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
     )
     for axes in (upper, lower):
         tidy(axes)
-    _legend(upper, b.gauge, b.load_values)
+    _legend(upper, values[1], b.load_values)
     figure.align_ylabels()
     figure.savefig(path, dpi=DPI)
 
@@ -244,11 +250,6 @@ def _kind(result: Result) -> str:
     if result.full:
         return f"full resolution, {bodies} bodies"
     return f"adaptive, {bodies} of {text.count(float(result.summary['bodies_full']))} bodies"
-
-
-def gauge_name(result: Result) -> str:
-    """What the controlled quantity is, for an axis."""
-    return "gauge opening" if result.case.quantity == "gauge" else "displacement of the load"
 
 
 def gauge_unit(largest: float) -> tuple[float, str]:

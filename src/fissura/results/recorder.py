@@ -189,7 +189,7 @@ class Recorder:
         from fissura.results.vtk import write_series, write_snapshot
 
         write_snapshot(self._folder, step.number, step.snapshot)
-        self._written[step.number] = step.gauge
+        self._written[step.number] = step.controlled
         write_series(self._folder, self._written)
 
     def _write_summary(self, status: str, message: str) -> dict[str, Any]:

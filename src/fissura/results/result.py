@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.results import quantities as text
-from fissura.results.curve import Curve, read_curve
+from fissura.results.curve import COLUMN_OF, Curve, read_curve
+from fissura.results.peak import peak_position
 from fissura.results.state import read_state
 from fissura.results.summary import read_summary
 
 if TYPE_CHECKING:
-    from fissura.case import Case
+    from fissura.case import Case, Quantity
     from fissura.step import Snapshot
 
 __all__ = ["Result"]
@@ -82,8 +83,20 @@ class Result:
 
     @property
     def gauge(self) -> NDArray[np.float64]:
-        """Controlled quantity at every step [m], shape (steps,); it turns back where there is snap-back."""
+        """Gauge at every step [m], or displacement of the load where the case has no gauge; shape (steps,)."""
         return self.curve["gauge_m"].astype(np.float64)
+
+    @property
+    def controlled(self) -> NDArray[np.float64]:
+        """Controlled quantity at every step [m], shape (steps,); it turns back where there is snap-back.
+
+        It is the gauge or the displacement of the load, as `Case.quantity` says.
+        """
+        return self.values_of(self.case.quantity)
+
+    def values_of(self, quantity: Quantity) -> NDArray[np.float64]:
+        """Gauge, or displacement of the load, at every step [m], shape (steps,)."""
+        return self.curve[COLUMN_OF[quantity]].astype(np.float64)
 
     @property
     def load_values(self) -> NDArray[np.float64]:
@@ -140,11 +153,12 @@ class Result:
         kind = "full resolution" if self.full else f"adaptive ({s.get('criterion')})"
         led = f" ({s['steps_led_by_energy']} led by energy)" if s.get("steps_led_by_energy") else ""
         coarser = f"{s['coarsenings']} coarsenings, " if s.get("coarsenings") else ""
+        at_peak = float(self.controlled[peak_position(self.load_values)]) if self.steps else math.nan
         bodies = " → ".join(text.count(number(key)) for key in ("bodies_start", "bodies_end"))
         return [
             ("case", f"{s.get('case')}, seed {s.get('seed')}, {kind}"),
             ("status", ": ".join(str(s[key]) for key in ("status", "message") if s.get(key))),
-            ("peak load", f"{text.force(self.peak_load)} at {text.length(self.gauge_at_peak)}"),
+            ("peak load", f"{text.force(self.peak_load)} at {text.length(at_peak)}"),
             ("initial stiffness", text.stiffness(self.initial_stiffness)),
             ("dissipated energy", text.energy(self.dissipated_energy)),
             ("energy balance error", text.per_cent(number("energy_balance_error"))),

@@ -84,6 +84,8 @@ def build_summary(
         "peak_load_N": None if peak is None else curve["load_N"][peak],
         "gauge_at_peak_m": None if peak is None else curve["gauge_m"][peak],
         "gauge_at_end_m": _last(curve, "gauge_m"),
+        "controlled": case.quantity,
+        "load_displacement_at_peak_m": None if peak is None else curve["load_displacement_m"][peak],
         "initial_stiffness_N_per_m": simulation.initial_stiffness if steps else None,
         "dissipated_energy_J": dissipated,
         "stored_J": stored,

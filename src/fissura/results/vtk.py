@@ -115,20 +115,20 @@ def write_snapshot(folder: Path, number: int, snapshot: Snapshot) -> None:
         write_vtu(folder / file_name(kind, number), grid(snapshot))
 
 
-def write_series(folder: Path, gauges: Mapping[int, float]) -> None:
+def write_series(folder: Path, values: Mapping[int, float]) -> None:
     """Write ``bodies.pvd`` and ``contacts.pvd``, which list the files of some steps.
 
     Parameters
     ----------
     folder : Path
         The result folder.
-    gauges : mapping of int to float
-        Gauge [m] of every step that was written, shown by ParaView as the time; where it turns back from one of them
-        to the next, the number of the step is shown instead.
+    values : mapping of int to float
+        Controlled quantity [m] at every step that was written, shown by ParaView as the time; where it turns back from
+        one of them to the next, the number of the step is shown instead.
     """
-    numbers = sorted(gauges)
-    grows = all(gauges[a] < gauges[b] for a, b in pairwise(numbers))
-    times = gauges if grows else {number: float(number) for number in numbers}
+    numbers = sorted(values)
+    grows = all(values[a] < values[b] for a, b in pairwise(numbers))
+    times = values if grows else {number: float(number) for number in numbers}
     for kind in ("bodies", "contacts"):
         entries = "".join(
             f'    <DataSet timestep="{times[number]:.9g}" part="0" file={quoteattr(file_name(kind, number))}/>\n'

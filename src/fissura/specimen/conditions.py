@@ -18,7 +18,7 @@ from fissura.specimen.patch import Patch, patch_from_part
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fissura.case import Case
+    from fissura.case import Case, Gauge
     from fissura.specimen.box import Box
 
 __all__ = ["SUPPORTS", "Conditions", "Functional", "conditions_from_case"]
@@ -62,11 +62,14 @@ class Conditions:
         Distribution of the unit load; as a functional, the mean displacement along the load.
     control : Functional
         The controlled quantity: the gauge, or the displacement of the load.
+    gauge : Functional or None
+        The gauge, whatever is controlled; None where there is none.
     """
 
     supports: tuple[Functional, ...]
     load: Functional
     control: Functional
+    gauge: Functional | None = None
 
 
 def _mean(patch: Patch, direction: FloatArray) -> Functional:
@@ -163,19 +166,25 @@ def conditions_from_case(case: Case, box: Box) -> Conditions:
         direction = direction / np.linalg.norm(direction)
     load = _mean(patch, direction)
 
+    gauge = None if case.gauge is None else _gauge(case.gauge, box, spacing)
     if case.quantity == "displacement":
-        return Conditions(tuple(supports), load, load)
-    if case.gauge is None:
+        return Conditions(tuple(supports), load, load, gauge)
+    if gauge is None:
         raise InputError("gauge", "is missing, but control.type is 'gauge'", "a table [gauge] with a and b")
-    a = patch_from_part(case.gauge.a, box, spacing, "gauge.a")
-    b = patch_from_part(case.gauge.b, box, spacing, "gauge.b")
+    return Conditions(tuple(supports), load, gauge, gauge)
+
+
+def _gauge(part: Gauge, box: Box, spacing: float) -> Functional:
+    """Mean displacement of the place b minus that of a, along the gauge's direction."""
+    a = patch_from_part(part.a, box, spacing, "gauge.a")
+    b = patch_from_part(part.b, box, spacing, "gauge.b")
     if a.points.shape == b.points.shape and np.allclose(a.points, b.points, rtol=0.0, atol=1e-9 * max(box.size)):
         raise InputError("gauge.b", "is the same place as gauge.a", "another place")
-    if case.gauge.direction is None:
+    if part.direction is None:
         along = b.centroid - a.centroid
         if np.linalg.norm(along) <= 1e-9 * max(box.size):
             raise InputError("gauge.b", "lies at the same place as gauge.a", "another place, or a gauge.direction")
     else:
-        along = np.asarray(case.gauge.direction, float)
+        along = np.asarray(part.direction, float)
     along = along / np.linalg.norm(along)
-    return Conditions(tuple(supports), load, _mean(b, along) - _mean(a, along))
+    return _mean(b, along) - _mean(a, along)

@@ -7,8 +7,9 @@ within ``l_f`` of that of a contact of this crack. The run at full resolution it
 measure; what it reaches is reported, too. Sharper is the *overlap*: contacts are the same when they join the same two
 nuclei, and the overlap is the energy that both runs dissipated in the same contacts, ``sum min(W_a, W_f) / W_f``.
 
-**Energies** are compared at the same end: at the smaller of the last gauges where loads are compared over the gauge;
-where they are compared over dissipated energy, when the load has fallen to the larger of the last loads.
+**Energies** are compared at the same end: at the smaller of the last gauges (or displacements of the load, where these
+are controlled) where loads are compared over them; where they are compared over dissipated energy, when the load has
+fallen to the larger of the last loads.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 from fissura.adaptivity import load_error_bound
 from fissura.errors import InputError
 from fissura.results.compare import compare_results
+from fissura.results.curve import COLUMN_OF
 from fissura.results.peak import peak_position
 from fissura.study.indicators import INDICATORS
 from fissura.study.record import Energies, Record
@@ -133,7 +135,7 @@ def measure(adaptive: Record, full: Record) -> Measures:
         return Measures(*head[:-1], message or error.problem)
     l_f = float(full.case["discretization"]["l_f"])
     peak_at = peak_position(full.curve["load_N"])
-    key = "gauge_m" if found.over == "gauge" else "dissipated_J"
+    key = "dissipated_J" if found.by_energy else COLUMN_OF[found.quantity]
     after = found.at_max_difference > full.curve[key][peak_at]
     load_there = float(np.interp(found.at_max_difference, found.abscissa, found.load_b) / found.peaks[1])
     summary = adaptive.summary
@@ -144,7 +146,7 @@ def measure(adaptive: Record, full: Record) -> Measures:
         load=found.max_load_difference,
         at=load_there if after else -load_there,
         peak=found.peak_difference,
-        energy=found.energy_difference if found.over == "gauge" else _energy_difference(adaptive, full),
+        energy=_energy_difference(adaptive, full) if found.by_energy else found.energy_difference,
         stiffness=found.stiffness_difference,
         crack=crack_share(adaptive.energies, full.energies, l_f),
         crack_full=crack_share(full.energies, full.energies, l_f),

@@ -103,7 +103,7 @@ class Record:
         """What ended the run: ``"target"``, ``"load"`` (it fell to ``stop_load``), or the status."""
         if self.status != "finished":
             return self.status
-        reached = self.curve["gauge_m"][-1] >= self.case["control"]["target"] * (1.0 - 1e-9)
+        reached = self.result().controlled[-1] >= self.case["control"]["target"] * (1.0 - 1e-9)
         return "target" if reached else "load"
 
     def result(self) -> Result:
