@@ -352,6 +352,13 @@ def test_misspelt_key_gets_a_suggestion(changes: dict[str, Any], suggestion: str
     assert f"did you mean {suggestion}?" in error_of(**changes).problem
 
 
+def test_several_tables_where_one_is_due() -> None:
+    load = {"face": "top", "at": 0.1}
+    assert str(error_of(load=[load, load])) == "load: 2 tables are given (allowed: one table, [load])"
+    assert str(error_of(gauge=[BASE["gauge"]])) == "gauge: is a list of tables, [[gauge]] (allowed: one table, [gauge])"
+    assert error_of(material=[1]).problem == "[1] is not a table"
+
+
 def test_strange_key_gets_no_suggestion() -> None:
     assert error_of(xyzzy=1).problem == "unknown key"
 

@@ -214,6 +214,21 @@ def test_a_bar_with_elastic_ends_breaks_between_them():
     assert spent[1] > max(1.0, 1.5 * spent[0])
 
 
+@pytest.mark.parametrize("full", [True, False])
+def test_a_band_without_nuclei_can_crack(full):
+    """All nuclei lie in elastic regions, but facets between them do not."""
+    x = np.sort(Simulation(beam(), full=True).tessellation.x[:, 0])
+    low = int(np.argmax(np.where((x[1:] > 0.03) & (x[:-1] < 0.07), np.diff(x), 0.0)))
+    ends = (x[low] + 1e-6, x[low + 1] - 1e-6)
+    simulation = Simulation(beam(material={"elastic": [box(0.0, ends[0]), box(ends[1], 0.1)]}), full=full)
+    last = list(simulation.steps())[-1].snapshot
+    centroid = last.tessellation.contacts.centroid[:, 0]
+    band = (centroid > ends[0]) & (centroid < ends[1])
+    assert band.any()
+    assert last.damage[band].max() > 0.0
+    assert not last.damage[~band].any()
+
+
 @pytest.mark.parametrize(
     ("elastic", "key"),
     [

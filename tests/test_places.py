@@ -31,3 +31,79 @@ def test_a_gauge_that_ends_in_the_plane_of_an_ideal_cut_is_refused(small_case, e
     with pytest.raises(InputError, match="ideal cut") as caught:
         report(small_case(**{f"gauge__{end}__at": 0.06}))
     assert caught.value.key == f"gauge.{end}.at"
+
+
+# Messages that name the key at fault, the same from `check` and from a run
+
+GAUGE = {"a": {"face": "bottom", "point": [0.0595, 0, 0.02]}, "b": {"face": "bottom", "point": [0.0605, 0, 0.02]}}
+UNNOTCHED = {"notch": None, "discretization": {"l_f": 0.012, "l_c": 0.024}}
+APART = {
+    "a": {"face": "bottom", "point": [0.053, 0, 0.02]},
+    "b": {"face": "bottom", "point": [0.067, 0, 0.02]},
+}
+
+WRONG = {
+    "gauge on one body": (UNNOTCHED | {"gauge": GAUGE}, "gauge", "one rigid body"),
+    "turned gauge on one body": (UNNOTCHED | {"gauge": GAUGE | {"direction": [0, 1, 1]}}, "gauge", "one rigid body"),
+    "gauge on supports": (
+        {"gauge": {"a": {"face": "bottom", "at": 0.01}, "b": {"face": "bottom", "at": 0.11}, "direction": [0, 1, 0]}},
+        "gauge",
+        "supports hold both",
+    ),
+    "load on a pin": ({"load": {"face": "bottom", "at": 0.01}}, "load", "bodies that the supports hold"),
+    "load on a roller": ({"load": {"face": "bottom", "at": 0.11}}, "load", "bodies that the supports hold"),
+    "load on a clamped face": (
+        {"supports": [{"type": "clamp", "face": "left"}], "load": {"face": "left"}, "gauge": None}
+        | {"control__type": "displacement"},
+        "load",
+        "bodies that the supports hold",
+    ),
+    "E without its unit": ({"material__E": 60}, "material.E", "60 Pa is very soft"),
+    "E of the concrete without its unit": (
+        {"material": {"macro": {"E": 38, "nu": 0.18}, "f_t": 2.2e6, "G_t": 35.0}},
+        "material.macro.E",
+        "very soft",
+    ),
+    "G_t in N/mm": ({"material__G_t": 0.035}, "material.G_t", "very brittle"),
+    "f_t too large": ({"material__f_t": 2.2e9}, "material.f_t", "very strong"),
+    "a brittle material": ({"material__G_t": 0.2}, "discretization.l_f", "contacts of this material soften"),
+}
+
+
+@pytest.mark.parametrize("full", [True, False])
+@pytest.mark.parametrize(("changes", "key", "problem"), WRONG.values(), ids=WRONG)
+def test_the_key_at_fault_is_named(small_case, changes, key, problem, full):
+    case = small_case(**changes)
+    with pytest.raises(InputError, match=problem) as caught:
+        report(case)
+    assert caught.value.key == key
+    with pytest.raises(InputError, match=problem) as caught:
+        list(Simulation(case, full=full).steps())
+    assert caught.value.key == key
+
+
+def test_a_gauge_on_one_body_of_the_start_alone(small_case):
+    """At full resolution its ends are on two bodies: what helps is said, and helps."""
+    changes = {"notch": None, "discretization": {"l_f": 0.006, "l_c": 0.04}, "gauge": APART, "adaptivity": None}
+    with pytest.raises(InputError, match=r"one rigid body at the start.*adaptivity\.regions") as caught:
+        report(small_case(**changes))
+    assert caught.value.key == "gauge"
+    there = {"type": "ball", "center": [0.06, 0.0, 0.02], "radius": 0.02}
+    report(small_case(**(changes | {"adaptivity": {"regions": there, "r_f": 0.012}})))
+    step = next(Simulation(small_case(**changes), full=True).steps())
+    assert step.load > 0.0
+
+
+def test_a_gauge_that_the_load_does_not_move(small_case):
+    """Far beyond the load a cantilever turns, but does not stretch."""
+    changes = {
+        "specimen__size": [0.3, 0.024, 0.024],
+        "notch": None,
+        "gauge": {"a": {"face": "top", "at": 0.25}, "b": {"face": "top", "at": 0.28}},
+        "supports": [{"type": "clamp", "face": "left"}],
+        "load": {"face": "top", "at": 0.09},
+    }
+    for full in (True, False):
+        with pytest.raises(InputError, match="does not move") as caught:
+            list(Simulation(small_case(**changes), full=full).steps())
+        assert caught.value.key == "gauge"

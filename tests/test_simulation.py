@@ -689,6 +689,7 @@ def test_every_seed_of_the_example_runs_to_the_end(seed):
 
 def test_a_coarse_start_that_calibration_cannot_mend_is_refused():
     """A slender beam that would start as a chain of bodies as thick as itself."""
-    chain = {"notch": None, "discretization": {"l_f": 0.005, "l_c": 0.04}}
+    gauge = {"a": {"face": "bottom", "at": 0.02}, "b": {"face": "bottom", "at": 0.08}}
+    chain = {"notch": None, "gauge": gauge, "discretization": {"l_f": 0.005, "l_c": 0.04}}
     with pytest.raises(InputError, match=r"discretization\.l_c: 0\.04 m: the start is .* too "):
         next(Simulation(beam(**chain, adaptivity={"r_f": 0.005, "r_c": 0.006})).steps())

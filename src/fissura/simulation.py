@@ -15,7 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.adaptivity import ElasticState, transfer_history
-from fissura.equilibrium import Equilibrium, Goal, PathFollower, SingularMatrixError, StepSolver, System, settle
+from fissura.equilibrium import (
+    Equilibrium,
+    Goal,
+    PathFollower,
+    SingularMatrixError,
+    StepSolver,
+    System,
+    UnmovedGaugeError,
+    settle,
+)
 from fissura.errors import InputError, Notice, RunStopped
 from fissura.specimen import backward_gauge
 from fissura.step import Snapshot, Step
@@ -132,6 +141,12 @@ class Simulation:
         try:
             system = structure.calibrate()
             self.initial_stiffness = settle(system, system.virgin(), 1.0).load
+        except UnmovedGaugeError as error:
+            raise InputError(
+                "gauge" if self.case.quantity == "gauge" else "load",
+                f"{error}: nothing changes there however large the load is",
+                "places that the load moves apart",
+            ) from error
         except SingularMatrixError as error:
             raise InputError(
                 "supports", f"the structure is a mechanism ({error})", "supports that hold all of the specimen"

@@ -20,8 +20,14 @@ from fissura.adaptivity import (
 )
 from fissura.case import case_notices
 from fissura.contact import law_from_case
-from fissura.equilibrium import Response, System, Team
-from fissura.material import check_not_everywhere, elastic_from_case, field_from_case, material_from_case
+from fissura.equilibrium import Response, System, Team, check_places
+from fissura.material import (
+    check_ductile,
+    check_not_everywhere,
+    elastic_from_case,
+    field_from_case,
+    material_from_case,
+)
 from fissura.specimen import conditions_from_case, specimen_from_case
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case
 
@@ -68,6 +74,7 @@ class Structure:
         self._criterion = criterion_named(case.adaptivity.criterion)
         self._law = law_from_case(case)
         self._material = material_from_case(case)
+        check_ductile(case)
         self.notices = case_notices(case)
         self.box = specimen_from_case(case)
         self._conditions = conditions_from_case(case, self.box)
@@ -75,15 +82,24 @@ class Structure:
         self.field = field_from_case(case)
         self._team = Team(case.solver.threads)
         self.nuclei = nuclei_from_case(case, self.box)
-        check_not_everywhere(self._elastic, self.nuclei.x)
         self._region = region_from_case(case, self.box, full=full)
         self._coarsening = Coarsening(self.nuclei.x)
+        if self._elastic.contains(self.nuclei.x).all():  # facets between nuclei may lie outside all the same
+            check_not_everywhere(self._elastic, self._whole().contacts.centroid)
         self.compliance: float | None = None
-        self.system = self._equations(self._discretized(self._region))
+        start = self._discretized(self._region)
+        gauge = case.quantity == "gauge"
+        for bodies, coarse in ((self.nuclei, False), (start, not full)):
+            check_places(self._conditions, bodies, case.discretization.l_f, gauge=gauge, start=coarse)
+        self.system = self._equations(start)
 
     def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
         found = discretize(self.nuclei, self.box, region.spacing(self.nuclei.x), previous)
         return replace(found, cells=None) if self._full else found  # nothing will change there
+
+    def _whole(self) -> Tessellation:
+        """Full resolution, without what only another discretization of the specimen needs."""
+        return self._discretized(replace(self._region, everywhere=True)).without_shapes()
 
     def _equations(self, tessellation: Tessellation) -> System:
         return System(
@@ -102,8 +118,7 @@ class Structure:
         if self._full or not self._case.adaptivity.calibrate:
             return system
         if self.compliance is None:
-            whole = self._discretized(replace(self._region, everywhere=True)).without_shapes()
-            self.compliance = gauge_compliance(self._equations(whole))
+            self.compliance = gauge_compliance(self._equations(self._whole()))
         return calibrated(system, self.compliance, self.system.elastic_scale)
 
     def calibrate(self) -> System:

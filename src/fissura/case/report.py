@@ -85,6 +85,9 @@ def _describe(item: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any
     if kind == "union_tag_invalid":
         return key, f"{show(context['tag'])} is not known", '"ball" or "box"'
     if kind in ("model_type", "model_attributes_type", "dict_type"):
+        if isinstance(value, (list, tuple)) and value and all(isinstance(item, Mapping) for item in value):
+            many = f"{len(value)} tables are given" if len(value) > 1 else f"is a list of tables, [[{key}]]"
+            return key, many, f"one table, [{key}]"
         return key, f"{show(value)} is not a table", _description(model, location) or "a table"
     if kind in ("tuple_type", "list_type"):
         tables = any(_models(model, location))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from fissura.equilibrium.attach import attach, owners
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.direct import SOLVERS, best_solver
-from fissura.equilibrium.linear import SingularMatrixError
+from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
 from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
 from fissura.equilibrium.path import Goal, PathFollower
+from fissura.equilibrium.places import check_places
 from fissura.equilibrium.steps import StepLength
 from fissura.equilibrium.system import Response, System
 from fissura.equilibrium.team import Team
@@ -25,8 +26,10 @@ __all__ = [
     "StepSolver",
     "System",
     "Team",
+    "UnmovedGaugeError",
     "attach",
     "best_solver",
+    "check_places",
     "dissipating",
     "owners",
     "prescribed",

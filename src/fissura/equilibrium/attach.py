@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +13,24 @@ from scipy.spatial import cKDTree
 from fissura.specimen import Functional
 from fissura.tessellation import Tessellation
 
-__all__ = ["attach", "attach_rows", "owners"]
+__all__ = ["Bodies", "attach", "attach_rows", "owners"]
 
 FloatArray = NDArray[np.float64]
 
 
-def owners(tessellation: Tessellation, points: FloatArray) -> NDArray[np.int64]:
+class Bodies(Protocol):
+    """What has a nucleus for every body: a tessellation, or all nuclei of a specimen."""
+
+    @property
+    def x(self) -> FloatArray:
+        """Nuclei [m], shape (n, 3)."""
+
+    def __len__(self) -> int: ...
+
+
+def owners(bodies: Bodies, points: FloatArray) -> NDArray[np.int64]:
     """Body that owns each point: the one with the nearest nucleus; (k, 3) -> (k,)."""
-    _, body = cKDTree(tessellation.x).query(points)
+    _, body = cKDTree(bodies.x).query(points)
     return np.asarray(body, dtype=np.int64)
 
 
@@ -37,7 +48,7 @@ def attach(functional: Functional, tessellation: Tessellation) -> FloatArray:
     return np.asarray(row.toarray().reshape(-1, 6), dtype=np.float64)
 
 
-def attach_rows(functionals: Sequence[Functional], tessellation: Tessellation, body: NDArray[np.int64]) -> csr_array:
+def attach_rows(functionals: Sequence[Functional], bodies: Bodies, body: NDArray[np.int64]) -> csr_array:
     """Coefficients of several functionals, given the owners of all of their points one after the other.
 
     Returns
@@ -47,10 +58,10 @@ def attach_rows(functionals: Sequence[Functional], tessellation: Tessellation, b
     """
     points = np.concatenate([f.points for f in functionals])
     force = np.concatenate([f.coefficients for f in functionals])
-    moment = np.cross(points - tessellation.x[body], force)
+    moment = np.cross(points - bodies.x[body], force)
     row = np.repeat(np.arange(len(functionals)), [6 * len(f.points) for f in functionals])
     column = (6 * body[:, None] + np.arange(6)).ravel()
     values = np.concatenate([force, moment], axis=1).ravel()
-    out = csr_array((values, (row, column)), shape=(len(functionals), 6 * len(tessellation)))
+    out = csr_array((values, (row, column)), shape=(len(functionals), 6 * len(bodies)))
     out.eliminate_zeros()
     return out

@@ -7,13 +7,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LinearSolver", "SingularMatrixError"]
+__all__ = ["LinearSolver", "SingularMatrixError", "UnmovedGaugeError"]
 
 FloatArray = NDArray[np.float64]
 
 
 class SingularMatrixError(Exception):
     """The matrix cannot be factorized, or its equations cannot be solved."""
+
+
+class UnmovedGaugeError(SingularMatrixError):
+    """The load does not move the controlled quantity."""
 
 
 class LinearSolver(Protocol):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fissura.equilibrium.constraint import Constraint, holding
 from fissura.equilibrium.krylov import dot, norm
-from fissura.equilibrium.linear import SingularMatrixError
+from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
 from fissura.equilibrium.system import Response, System
 from fissura.equilibrium.tangent import TangentSolver
 
@@ -92,6 +92,10 @@ class Equilibrium:
     iterations: int = 0
 
 
+#: Controlled quantity, over the displacements of which it is the difference, that solutions cannot tell from zero.
+_UNMOVED = 1e-9
+
+
 @dataclass
 class _Trial:
     """A state on the way to equilibrium."""
@@ -113,11 +117,13 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
     ------
     SingularMatrixError
         The structure is a mechanism.
+    UnmovedGaugeError
+        The load does not move the controlled quantity, but for round-off.
     """
     unit = system.prepared.solve(history)
     reach = dot(system.control, unit)
-    if not np.isfinite(reach) or reach == 0.0:
-        raise SingularMatrixError("the load does not move the gauge")
+    if not np.isfinite(reach) or abs(reach) <= _UNMOVED * float(np.abs(system.control * unit).sum()):
+        raise UnmovedGaugeError("the load does not move the controlled quantity")
     u = unit * (value / reach)
     strain_only = system.response(u, history)
     intact = 1.0 - history[:, :1]

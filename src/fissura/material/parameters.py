@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fissura.case.plausible import case_notices
+from fissura.errors import InputError
+
 if TYPE_CHECKING:
     from fissura.case import Case
 
-__all__ = ["Material", "material_from_case"]
+__all__ = ["Material", "check_ductile", "material_from_case"]
 
 
 @dataclass(frozen=True)
@@ -84,3 +87,24 @@ def material_from_case(case: Case) -> Material:
     """Material of a case."""
     m = case.material
     return Material(m.E, m.alpha, m.f_t, m.G_t, m.f_s, m.f_c, m.G_s, m.K_c, m.mu, m.beta, m.n_c)
+
+
+def check_ductile(case: Case) -> None:
+    """Fine contacts must be able to soften: all are longer than ``l_f``, and a longer limit leaves none out.
+
+    Raises
+    ------
+    InputError
+        None of them can. Where a constant of the material looks wrong, it is named rather than ``l_f``.
+    """
+    material, l_f = material_from_case(case), case.discretization.l_f
+    if not 0.0 < material.longest <= l_f:
+        return
+    problem = (
+        f"contacts of this material soften properly only where they are shorter than {1e3 * material.longest:.4g} mm,"
+        f" and fine ones are longer than l_f = {1e3 * l_f:.4g} mm"
+    )
+    suspect = next((notice for notice in case_notices(case) if notice.key.startswith("material.")), None)
+    if suspect is not None:
+        raise InputError(suspect.key, f"{suspect.problem}; {problem}", suspect.advice)
+    raise InputError("discretization.l_f", problem, "a smaller l_f, a larger material.G_t or a smaller material.f_t")

@@ -106,12 +106,12 @@ def check_not_everywhere(elastic: Regions, x: FloatArray) -> None:
     elastic : Regions
         Where contacts never get damage.
     x : (n, 3) array
-        All fine nuclei [m].
+        Centroids of all contacts at full resolution [m].
 
     Raises
     ------
     InputError
-        All nuclei lie in elastic regions.
+        All of them lie in elastic regions.
     """
     if elastic.contains(x).all():
         raise InputError(_KEY, "covers the whole specimen, so that nothing can crack", "regions that leave some out")

@@ -1,0 +1,70 @@
+"""Whether load and gauge can do anything, given the bodies that own their places."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.equilibrium.attach import Bodies, attach_rows, owners
+from fissura.errors import InputError
+from fissura.specimen import Conditions
+
+__all__ = ["check_places"]
+
+FloatArray = NDArray[np.float64]
+
+#: Share of the largest possible value that is zero but for round-off.
+_ROUND_OFF = 1e-9
+
+
+def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, gauge: bool, start: bool) -> None:
+    """Refuse what no calculation can mend: a gauge that measures nothing, a load that supports take over.
+
+    Parameters
+    ----------
+    conditions : Conditions
+        Supports, load and gauge.
+    bodies : Tessellation or Nuclei
+        Rigid bodies.
+    arm : float
+        Length by which moments compare with forces [m].
+    gauge : bool
+        Whether the controlled quantity is the gauge.
+    start : bool
+        Whether these are the bodies of a start that is coarse, so that finer ones may help.
+
+    Raises
+    ------
+    InputError
+        Both ends of the gauge lie on one body; supports hold the bodies of the gauge or of the load.
+    """
+    functionals = (conditions.load, conditions.control, *conditions.supports)
+    body = owners(bodies, np.concatenate([f.points for f in functionals]))
+    rows = attach_rows(functionals, bodies, body)
+    used = np.unique(rows.indices)
+    dense = rows[:, used].toarray() / np.where(used % 6 < 3, 1.0, arm)
+    load, control, supports = dense[0], dense[1], dense[2:]
+    finer = ", or bodies that are fine there from the start (adaptivity.regions, discretization.l_c)" if start else ""
+    when = " at the start" if start else ""
+    if gauge:
+        first = len(conditions.load.points)
+        owner = body[first : first + len(conditions.control.points)]
+        most = np.abs(conditions.control.coefficients).sum()
+        if (owner == owner[0]).all() or np.linalg.norm(control) <= _ROUND_OFF * most:
+            raise InputError(
+                "gauge",
+                f"both of its ends lie on one rigid body{when}, so that it measures nothing",
+                f"ends farther apart than two bodies, or on both sides of a notch{finer}",
+            )
+        if _spanned(control, supports):
+            raise InputError("gauge", f"supports hold both of its ends{when}", f"places that can move{finer}")
+    if _spanned(load, supports):
+        raise InputError(
+            "load", f"acts on bodies that the supports hold{when}, and moves nothing", f"a place beside them{finer}"
+        )
+
+
+def _spanned(row: FloatArray, supports: FloatArray) -> bool:
+    """Whether a functional vanishes wherever the supports do, given their coefficients in rows."""
+    share = np.linalg.lstsq(supports.T, row)[0]
+    return bool(np.linalg.norm(row - share @ supports) <= _ROUND_OFF * np.linalg.norm(row))
