@@ -7,7 +7,7 @@ import pytest
 
 from fissura.errors import InputError
 from fissura.results.curve import columns, row
-from fissura.results.summary import build_summary, peak_memory, read_summary, write_atomically, write_summary
+from fissura.results.summary import build_summary, peak_memory, read_summary, write_summary
 
 from .synthetic import simulation, snapping, step, steps
 
@@ -113,13 +113,6 @@ def test_files_of_an_ensemble_are_called_so(tmp_path):
     path.write_text("{}")
     with pytest.raises(InputError, match=r"the ensemble\.json of a Fissura ensemble"):
         read_summary(path)
-
-
-def test_atomic_writing_leaves_no_other_file(tmp_path):
-    for data in (b"old", b"new"):
-        write_atomically(tmp_path / "file", data)
-    assert [p.name for p in tmp_path.iterdir()] == ["file"]
-    assert (tmp_path / "file").read_bytes() == b"new"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is inherited")

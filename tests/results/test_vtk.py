@@ -1,5 +1,6 @@
 import xml.etree.ElementTree as ElementTree
 
+import meshio
 import numpy as np
 import pytest
 import pyvista
@@ -37,12 +38,30 @@ def test_bodies_are_closed_polyhedra_of_the_right_volume(files, shot):
     # VTK's own volume of a polyhedron comes from a tetrahedralization that drops slivers here and there,
     # so its sizes get a looser bound than the closed surface.
     volumes = bodies.compute_cell_sizes()["Volume"]
-    np.testing.assert_allclose(volumes, shot.tessellation.volume, rtol=0.05)
-    assert np.median(np.abs(volumes / shot.tessellation.volume - 1)) < 1e-9
+    of_body = shot.tessellation.volume[bodies.cell_data["body"]]
+    np.testing.assert_allclose(volumes, of_body, rtol=0.05)
+    assert np.median(np.abs(volumes / of_body - 1)) < 1e-9
     for k in range(60):
         surface = bodies.extract_cells([k]).extract_surface(algorithm=None).triangulate()
         assert surface.n_open_edges == 0
-        assert surface.volume == pytest.approx(shot.tessellation.volume[k], rel=1e-6)
+        assert surface.volume == pytest.approx(of_body[k], rel=1e-6)
+
+
+def test_meshio_reads_the_same_bodies(tmp_path, shot):
+    write_snapshot(tmp_path, 12, shot)
+    bodies = meshio.read(tmp_path / "bodies_0012.vtu")
+    assert sum(len(block.data) for block in bodies.cells) == 60
+    assert {block.type.rstrip("0123456789") for block in bodies.cells} == {"polyhedron"}
+    for block, body, volume in zip(bodies.cells, bodies.cell_data["body"], bodies.cell_data["volume"], strict=True):
+        np.testing.assert_array_equal(volume, shot.tessellation.volume[body])
+        for k, faces in zip(body, block.data, strict=True):  # the data belong to the right bodies
+            points = bodies.points[np.unique(np.concatenate(faces))]
+            inside = shot.tessellation.x[k]
+            assert (points.min(axis=0) < inside).all()
+            assert (points.max(axis=0) > inside).all()
+    contacts = meshio.read(tmp_path / "contacts_0012.vtu")
+    owners = np.concatenate([np.ravel(values) for values in contacts.cell_data["contact"]])
+    assert sorted(owners) == list(range(len(shot.tessellation.contacts)))
 
 
 def test_cubes_have_exact_volumes(tmp_path):
@@ -53,23 +72,24 @@ def test_cubes_have_exact_volumes(tmp_path):
 
 def test_body_arrays(files, shot):
     bodies, _ = files
-    t = shot.tessellation
-    np.testing.assert_allclose(bodies.cell_data["displacement"], shot.displacement[:, :3])
-    np.testing.assert_allclose(bodies.cell_data["rotation"], shot.displacement[:, 3:])
-    np.testing.assert_allclose(bodies.cell_data["volume"], t.volume)
-    np.testing.assert_array_equal(bodies.cell_data["nucleus"], t.nucleus)
-    np.testing.assert_array_equal(bodies.cell_data["fine"], t.fine)
-    np.testing.assert_array_equal(bodies.cell_data["criterion"], shot.criterion)
+    t, body = shot.tessellation, bodies.cell_data["body"]
+    np.testing.assert_array_equal(np.sort(body), np.arange(60))
+    np.testing.assert_allclose(bodies.cell_data["displacement"], shot.displacement[body, :3])
+    np.testing.assert_allclose(bodies.cell_data["rotation"], shot.displacement[body, 3:])
+    np.testing.assert_allclose(bodies.cell_data["volume"], t.volume[body])
+    np.testing.assert_array_equal(bodies.cell_data["nucleus"], t.nucleus[body])
+    np.testing.assert_array_equal(bodies.cell_data["fine"], t.fine[body])
+    np.testing.assert_array_equal(bodies.cell_data["criterion"], shot.criterion[body])
     for component, (i, j) in enumerate(FORMULA.values()):
-        np.testing.assert_allclose(bodies.cell_data["stress"][:, component], shot.stress[:, i, j])
-    largest = [max(np.linalg.eigvals(s).real) for s in shot.stress]
+        np.testing.assert_allclose(bodies.cell_data["stress"][:, component], shot.stress[body, i, j])
+    largest = [max(np.linalg.eigvals(s).real) for s in shot.stress[body]]
     np.testing.assert_allclose(bodies.cell_data["largest_principal_stress"], largest)
 
 
 def test_warping_moves_every_body_rigidly(files, shot):
     bodies, _ = files
     for k in (0, 17, 59):
-        cell = bodies.extract_cells([k])
+        cell = bodies.extract_cells(np.flatnonzero(bodies.cell_data["body"] == k))
         arm = cell.points - shot.tessellation.x[k]
         u, theta = shot.displacement[k, :3], shot.displacement[k, 3:]
         np.testing.assert_allclose(cell.point_data["displacement"], u + np.cross(theta, arm), atol=1e-15)

@@ -1,3 +1,4 @@
+import meshio
 import numpy as np
 import pytest
 import pyvista
@@ -30,6 +31,27 @@ def test_arrays_come_back_bit_for_bit(tmp_path, count):
     np.testing.assert_array_equal(back.point_data["vector"], grid.point_data["vector"])
     for name, values in grid.cell_data.items():
         np.testing.assert_array_equal(back.cell_data[name], values)
+
+
+def test_meshio_reads_polygons(tmp_path):
+    grid = triangles(50)
+    write_vtu(tmp_path / "a.vtu", grid)
+    back = meshio.read(tmp_path / "a.vtu")
+    np.testing.assert_array_equal(back.points, grid.points)
+    (block,) = back.cells
+    np.testing.assert_array_equal(block.data.ravel(), grid.corners)
+    np.testing.assert_array_equal(back.point_data["vector"], grid.point_data["vector"])
+    for name, values in grid.cell_data.items():
+        np.testing.assert_array_equal(back.cell_data[name][0], values)
+
+
+def test_a_file_is_there_as_a_whole_or_not_at_all(tmp_path):
+    write_vtu(tmp_path / "a.vtu", triangles(1))
+    good = (tmp_path / "a.vtu").read_bytes()
+    with pytest.raises(KeyError):
+        write_vtu(tmp_path / "a.vtu", triangles(1, cell_data={"words": np.array(["a"])}))
+    assert [path.name for path in tmp_path.iterdir()] == ["a.vtu"]
+    assert (tmp_path / "a.vtu").read_bytes() == good
 
 
 def test_integers_take_32_bits_where_they_fit(tmp_path):

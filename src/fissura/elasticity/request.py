@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from fissura.bulk import bulk_law, voigt
 from fissura.case.units import NUMBER, STRESS, Dimension, to_si
 from fissura.errors import InputError
+from fissura.files import write_atomically
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -213,7 +214,7 @@ def write_csv(found: Study, path: Path, E: float | None = None) -> None:
         numbers = [row.alpha, 1.0 / row.size, row.bodies, row.seeds, *modulus, *nu, row.anisotropy]
         numbers += [] if E is None else [E * modulus[0]]
         lines.append(",".join([row.kind, *(f"{number:.10g}" for number in numbers)]))
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_atomically(path, ("\n".join(lines) + "\n").encode())
 
 
 def write(found: Study, folder: Path, E: float | None = None) -> list[str]:

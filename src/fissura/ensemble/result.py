@@ -17,11 +17,12 @@ from fissura.ensemble.plan import Kind, Plan
 from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.table import Table, read_table, select
 from fissura.errors import InputError
+from fissura.files import write_json
 from fissura.results import quantities as text
 from fissura.results.curve import COLUMN_OF, read_curve
 from fissura.results.path import LoadPath
 from fissura.results.result import Result
-from fissura.results.summary import read_summary, write_atomically
+from fissura.results.summary import read_summary
 
 __all__ = ["EnsembleResult"]
 
@@ -146,8 +147,7 @@ class EnsembleResult:
 
     def write(self) -> None:
         """Write ``statistics.json`` and ``mean_curve.csv``."""
-        data = json.dumps(self.statistics.as_dict(), indent=2, allow_nan=False) + "\n"
-        write_atomically(self.folder / "statistics.json", data.encode())
+        write_json(self.folder / "statistics.json", self.statistics.as_dict())
         if self.band is not None:
             write_band(self.band, self.folder / "mean_curve.csv")
 

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 from fissura.ensemble.kept import FOLDERS, Kept, kept
 from fissura.ensemble.plan import Kind, Plan
 from fissura.errors import InputError
+from fissura.files import sync_folder, write_atomically, write_json
 from fissura.results.curve import COLUMNS, CurveWriter
-from fissura.results.summary import FORMAT_VERSION, read_summary, versions, write_atomically, write_summary
+from fissura.results.summary import FORMAT_VERSION, read_summary, versions, write_summary
 
 if TYPE_CHECKING:
     from fissura.ensemble.outcome import Outcome
@@ -123,8 +124,7 @@ class Store:
 
     def _write_plan(self, plan: Plan) -> None:
         resolved = plan.case.model_dump(mode="json", exclude={"source"})
-        text = json.dumps(resolved, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-        write_atomically(self.folder / "case.json", text.encode())
+        write_json(self.folder / "case.json", resolved)
         write_summary(
             self.folder / "ensemble.json",
             {"format_version": FORMAT_VERSION, "plan": describe(plan), "versions": versions()},
@@ -159,6 +159,7 @@ class Store:
             if place.exists():
                 shutil.rmtree(place)
             os.replace(part, place)
+            sync_folder(place.parent)
         except OSError:
             shutil.rmtree(part, ignore_errors=True)
             raise
@@ -167,18 +168,16 @@ class Store:
     def _fill(self, part: Path, outcome: Outcome) -> dict[str, Any]:
         task, curve = outcome.task, outcome.curve
         for name, data in outcome.files.items():
-            (part / name).write_bytes(data)
+            write_atomically(part / name, data)
         writer = CurveWriter(part / "curve.csv")
         if curve is not None:
             for k in range(len(curve["step"])):
                 writer.write({name: curve[name][k] for name in COLUMNS})
         writer.close()
         case = task.case.model_dump(mode="json", exclude={"source"})
-        (part / "case.json").write_text(
-            json.dumps(case, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
-        )
+        write_json(part / "case.json", case)
         if outcome.details:
-            (part / "error.txt").write_text(outcome.details, encoding="utf-8")
+            write_atomically(part / "error.txt", outcome.details.encode(errors="replace"))
         summary = {
             "format_version": FORMAT_VERSION,
             "case": task.case.name,

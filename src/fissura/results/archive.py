@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
+from fissura.files import replacing
 from fissura.results.compression import level
 
 __all__ = ["read_archive", "write_archive"]
@@ -30,14 +30,12 @@ def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any]
     arrays : mapping of str to array or number
         Content.
     """
-    temporary = path.with_name(path.name + ".part")
-    with zipfile.ZipFile(temporary, "w") as archive:
+    with replacing(path) as part, zipfile.ZipFile(part, "w") as archive:
         for key, value in {"format": name, "format_version": version, **arrays}.items():
             values, buffer = np.asanyarray(value), io.BytesIO()
             np.lib.format.write_array(buffer, values, allow_pickle=False)
             kind = zipfile.ZIP_DEFLATED if level(values) else zipfile.ZIP_STORED
             archive.writestr(key + ".npy", buffer.getbuffer(), kind, compresslevel=1)
-    os.replace(temporary, path)
 
 
 def read_archive(path: str | Path, name: str, version: int) -> dict[str, NDArray[Any]]:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fissura.errors import InputError
+from fissura.files import write_atomically, write_json
 from fissura.results.curve import CurveWriter, Row, columns, row
 from fissura.results.done import Done
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.result import Result
 from fissura.results.state import write_state
-from fissura.results.summary import build_summary, write_atomically, write_summary
+from fissura.results.summary import build_summary, write_summary
 
 if TYPE_CHECKING:
     from fissura.simulation import Simulation
@@ -179,8 +179,7 @@ class Recorder:
         if isinstance(source, str):
             write_atomically(folder / "case.toml", source.encode())
         resolved = case.model_dump(mode="json", exclude={"source"})
-        text = json.dumps(resolved, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-        write_atomically(folder / "case.json", text.encode())
+        write_json(folder / "case.json", resolved)
         return CurveWriter(folder / "curve.csv")
 
     def _write_vtk(self, step: Step) -> None:

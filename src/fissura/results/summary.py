@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import os
 import platform
 import sys
 from functools import cache
@@ -17,6 +16,7 @@ import numpy as np
 
 from fissura.adaptivity.estimate import load_error_bound
 from fissura.errors import InputError, Notice
+from fissura.files import write_json
 from fissura.results.curve import Curve
 from fissura.results.peak import negative_before_peak, peak_position
 from fissura.results.quantities import length
@@ -29,7 +29,6 @@ __all__ = [
     "build_summary",
     "peak_memory",
     "read_summary",
-    "write_atomically",
     "write_summary",
 ]
 
@@ -207,8 +206,7 @@ def peak_memory() -> float:
 
 def write_summary(path: Path, summary: dict[str, Any]) -> None:
     """Write strict JSON (no NaN), never leaving half a file."""
-    text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    write_atomically(path, text.encode())
+    write_json(path, summary)
 
 
 def read_summary(path: str | Path) -> dict[str, Any]:
@@ -233,13 +231,6 @@ def read_summary(path: str | Path) -> dict[str, Any]:
     if not isinstance(version, int) or version > FORMAT_VERSION:
         raise InputError(str(path), f"format_version is {version}", f"{allowed}, of version 1 to {FORMAT_VERSION}")
     return dict(summary)
-
-
-def write_atomically(path: Path, data: bytes) -> None:
-    """Write a file under another name and move it into place."""
-    temporary = path.with_name(path.name + ".part")
-    temporary.write_bytes(data)
-    os.replace(temporary, path)
 
 
 def _last(curve: Curve, name: str) -> Any:

@@ -13,6 +13,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.files import replacing
 from fissura.results.compression import level
 
 __all__ = ["POLYGON", "POLYHEDRON", "Grid", "write_vtu"]
@@ -23,8 +24,8 @@ POLYGON, POLYHEDRON = 7, 42
 BLOCK = 1 << 20
 """Bytes that are compressed at once, so that no array is held a second time."""
 
-DIGITS = 20
-"""Width of an offset in the head, which is filled in after the arrays are written."""
+WIDTH = 20
+"""Room for an offset in the head, which is filled in after the arrays are written."""
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -86,7 +87,7 @@ def write_vtu(path: Path, grid: Grid) -> None:
         "CellData": grid.cell_data,
     }
     count = sum(len(arrays) for arrays in parts.values())
-    with path.open("wb") as file:
+    with replacing(path) as part, part.open("wb") as file:
         file.write(_head(grid, parts, [0] * count))
         start, offsets = file.tell(), []
         for arrays in parts.values():
@@ -111,10 +112,12 @@ def _head(grid: Grid, parts: Mapping[str, Arrays], offsets: list[int]) -> bytes:
     for part, arrays in parts.items():
         lines.append(f"      <{part}>")
         for name, values in arrays.items():
+            offset = f'offset="{next(places)}"/>'
             components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim > 1 else ""
             lines.append(
                 f'        <DataArray type="{_type_name(values)}" Name={quoteattr(name)}{components}'
-                f' format="appended" offset="{next(places):0{DIGITS}d}"/>'
+                # Blanks follow the number, outside of it: meshio looks for the bare number.
+                f' format="appended" {offset:<{WIDTH + 11}}'
             )
         lines.append(f"      </{part}>")
     lines += ["    </Piece>", "  </UnstructuredGrid>", '  <AppendedData encoding="raw">', "_"]

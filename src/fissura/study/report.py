@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from fissura.results.summary import write_atomically
+from fissura.files import write_atomically
 from fissura.study.measures import Measures
 from fissura.study.outcome import Outcome
 from fissura.study.statistics import correlations, fails, localisation, spread
@@ -132,7 +132,7 @@ def _summary(outcome: Outcome, specimen: str, runs: list[Measures]) -> dict[str,
 
 def markdown(outcome: Outcome) -> str:
     """Every table of a study, as one page."""
-    parts = [f"# {outcome.plan.name}", _progress(outcome), TEXT]
+    parts = [f"# {' '.join(outcome.plan.name.split())}", _progress(outcome), TEXT]
     for variation in outcome.plan.variations:
         rows = summary_rows(outcome, outcome.of(variation=variation.name))
         if rows:
@@ -148,8 +148,13 @@ def markdown(outcome: Outcome) -> str:
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table; all columns but the first are set flush right."""
-    lines = [heads, ["---"] + ["---:"] * (len(heads) - 1), *rows]
+    lines = [heads, ["---"] + ["---:"] * (len(heads) - 1), *([_in_a_cell(cell) for cell in row] for row in rows)]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def _in_a_cell(text: str) -> str:
+    """Text that may be a message or a name of the user, without what would end a cell or a row."""
+    return " ".join(text.split()).replace("|", "\\|")
 
 
 def _progress(outcome: Outcome) -> str:
