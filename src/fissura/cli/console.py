@@ -166,7 +166,7 @@ def print_table(rows: Sequence[tuple[str, str]], title: str = "") -> None:
         for name, value in rows:
             typer.echo(f"{name:<{width}}  {value}")
         return
-    table = Table(title=title or None, show_header=False)
+    table = Table(title=Text(title) if title else None, show_header=False)
     for name, value in rows:
         table.add_row(Text(name, style="bold"), Text(value))
     console.print(table)

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from fissura.bulk import bulk_law, voigt
 from fissura.elasticity.study import Row, Study, spread
+from fissura.results.lettering import save
 from fissura.results.pictures import BLUE, DPI, INK, LIGHT, ORANGE, headline, tidy
 
 __all__ = ["SPARSE", "plot_alpha", "plot_size"]
@@ -90,7 +91,7 @@ def plot_alpha(study: Study, path: Path) -> None:
         axes.set_ylim(bottom=0.0 if k else None)
     headline(panels[0], "Elastic constants of the bulk", f"mean and standard deviation of {rows[0].seeds} structures")
     panels[0].legend(fontsize=9, labelcolor=INK, edgecolor="none", loc="lower right")
-    figure.savefig(path, dpi=DPI)
+    save(figure, path, DPI)
 
 
 def plot_size(study: Study, path: Path, alpha: float) -> None:
@@ -131,7 +132,5 @@ def plot_size(study: Study, path: Path, alpha: float) -> None:
         axes.set_xlabel("$l_{min}$ / size")
         axes.set_xlim(0.0, widest)
         axes.legend(fontsize=9, labelcolor=INK, edgecolor="none", loc="best")
-    headline(
-        panels[0], f"Elastic constants and the size of bodies, $\\alpha$ = {alpha:g}", "mean and standard deviation"
-    )
-    figure.savefig(path, dpi=DPI)
+    headline(panels[0], f"Elastic constants and the size of bodies, α = {alpha:g}", "mean and standard deviation")
+    save(figure, path, DPI)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import io
 import math
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
@@ -12,9 +11,11 @@ import numpy as np
 
 from fissura.ensemble.pictures import PICTURES
 from fissura.ensemble.statistics import QUANTITIES
+from fissura.files import write_atomically
 from fissura.results import quantities as text
+from fissura.results.lettering import rendered
 from fissura.results.pictures import DPI
-from fissura.results.summary import versions, write_atomically
+from fissura.results.summary import versions
 
 if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult
@@ -84,13 +85,12 @@ def _pictures(result: EnsembleResult) -> list[dict[str, str]]:
         if figure is None:
             path.unlink(missing_ok=True)
             continue
-        buffer = io.BytesIO()
-        figure.savefig(buffer, format="png", dpi=DPI)
-        write_atomically(path, buffer.getvalue())
+        data = rendered(figure, form="png", dpi=DPI)
+        write_atomically(path, data)
         note = TEXTS[name]
         if name == "convergence" and result.plan.sampling == "latin-hypercube":
             note += " Only all runs together are a Latin hypercube, and its mean scatters less than the interval says."
-        shown.append({"caption": caption, "text": note, "data": base64.b64encode(buffer.getvalue()).decode()})
+        shown.append({"caption": caption, "text": note, "data": base64.b64encode(data).decode()})
     return shown
 
 

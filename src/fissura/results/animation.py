@@ -15,8 +15,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from fissura.errors import InputError
+from fissura.files import replacing
 from fissura.results import quantities as text
 from fissura.results.history import Frame, read_history
+from fissura.results.lettering import fit, literal, may_shrink
 from fissura.results.palette import palette_of, with_palette
 from fissura.results.panels import draw_curve, draw_scales
 from fissura.results.pictures import BLUE, GREY, INK, gauge_unit, load_unit
@@ -90,15 +92,11 @@ def animate(
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path.parent))
     result, shown = Result.load(folder), [every[k] for k in chosen(every, most)]
     pictures = _drawn(result, shown, look_of(result.case, shown, stress=stress), width)
-    temporary = path.with_name(f".{path.stem}.part{path.suffix}")
-    try:
+    with replacing(path) as part:
         if path.suffix.lower() == ".gif":
-            _write_gif(pictures, temporary, fps)
+            _write_gif(pictures, part, fps)
         else:
-            _write_mp4(pictures, temporary, fps)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+            _write_mp4(pictures, part, fps)
     return len(shown)
 
 
@@ -140,7 +138,9 @@ def _drawn(result: Result, frames: Sequence[Frame], look: Look, width: int) -> I
     )[0]
     title = figure.text(0.012, 0.965, "", fontsize=11, fontweight="bold", color=INK, va="top")
     note = figure.text(0.988, 0.965, "", fontsize=10, color=INK, va="top", ha="right")
-    title.set_text(result.case.name)
+    may_shrink(title).set_text(literal(result.case.name))
+    note.set_text(max((_note(frame) for frame in frames), key=len))
+    fit(figure)
     value, load = np.append(0.0, result.controlled) * x_scale, np.append(0.0, result.load_values) * y_scale
     steps = np.append(0, result.curve["step"])
     for frame in frames:
@@ -148,10 +148,14 @@ def _drawn(result: Result, frames: Sequence[Frame], look: Look, width: int) -> I
         until = int(np.searchsorted(steps, frame.number, side="right"))
         grown.set_data(value[:until], load[:until])
         dot.set_data([frame.value * x_scale], [frame.load * y_scale])
-        note.set_text(f"{text.length(frame.value)},  {text.force(frame.load)},  {text.count(frame.bodies)} bodies")
+        note.set_text(_note(frame))
         canvas.draw()  # type: ignore[no-untyped-call]
         pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
         yield Image.fromarray(pixels[..., :3].copy())
+
+
+def _note(frame: Frame) -> str:
+    return f"{text.length(frame.value)},  {text.force(frame.load)},  {text.count(frame.bodies)} bodies"
 
 
 def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, Stage, Axes]:

@@ -16,6 +16,7 @@ from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
 from fissura.results import quantities as text
+from fissura.results.lettering import may_shrink, save
 from fissura.results.path import NAMES
 from fissura.results.pictures import DPI, INK, headline, tidy
 from fissura.results.result import Result
@@ -95,7 +96,7 @@ def plot_crack(result: Result, path: Path) -> None:
                 zorder=6,
             )
         )
-        second.set_title("cracked zone", loc="left", fontsize=9, color=INK)
+        may_shrink(second.set_title("cracked zone", loc="left", fontsize=9, color=INK))
         bar = figure.colorbar(ScalarMappable(view.norm, HEAT), ax=second, pad=0.02, fraction=0.05, aspect=28)
         bar.set_label("crack opening [µm]", color=INK)
         bar.ax.tick_params(colors=INK, labelsize=9)
@@ -112,8 +113,9 @@ def plot_crack(result: Result, path: Path) -> None:
         frameon=False,
         handlelength=1.2,
     )
-    _titles(first, result)
-    figure.savefig(path, dpi=DPI)
+    # Beside another panel both lines stand above its title, so that they have the whole width.
+    _titles(first, result, raised=14.0 if zone is not None and beside else 0.0)
+    save(figure, path, DPI)
 
 
 def _view(snapshot: Snapshot) -> View:
@@ -221,10 +223,13 @@ def _panels(figure: Figure, whole: FloatArray, zoom: FloatArray, beside: bool) -
     return first, second
 
 
-def _titles(axes: Axes, result: Result) -> None:
+def _titles(axes: Axes, result: Result, raised: float) -> None:
     step = int(result.curve["step"][-1])
     value, load = text.length(float(result.controlled[-1])), text.force(float(result.load_values[-1]))
     bodies = text.count(float(result.curve["bodies"][-1]))
     headline(
-        axes, result.case.name, f"step {step}: {NAMES[result.case.quantity]} {value}, load {load}, {bodies} bodies"
+        axes,
+        result.case.name,
+        f"step {step}: {NAMES[result.case.quantity]} {value}, load {load}, {bodies} bodies",
+        raised=raised,
     )

@@ -16,6 +16,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri
 
+from fissura.results.lettering import literal, may_shrink, save
 from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, legend, tidy
 
 if TYPE_CHECKING:
@@ -97,8 +98,9 @@ def plot_field(
         places[key].set_title(title, loc="left", fontsize=9, color=INK)
     lengths = " × ".join(f"{1e3 * length:.4g}" for length in part.length)
     note = f"{part.correlation} correlation, length {lengths} mm, CoV {part.cov:g}, seed {field.seed}"
-    figure.suptitle(f"{name}: {note}" if name else note, x=0.01, ha="left", fontsize=10, color=INK)
-    figure.savefig(path, dpi=DPI)
+    title = f"{literal(name)}\n{note}" if name else note
+    may_shrink(figure.suptitle(title, x=0.01, ha="left", fontsize=10, color=INK))
+    save(figure, path, DPI)
 
 
 def draw_slice(axes: Axes, field: RandomField, size: Sequence[float], plane: tuple[int, int], norm: Normalize) -> None:

@@ -15,11 +15,12 @@ from fissura.errors import InputError
 from fissura.results import quantities as text
 from fissura.results.curve import COLUMN_OF
 from fissura.results.history import Frame, read_history
+from fissura.results.lettering import literal, may_shrink, save
 from fissura.results.panels import draw_curve, draw_scales
 from fissura.results.peak import peak_position
 from fissura.results.pictures import BLUE, DPI, INK, gauge_unit, load_unit
 from fissura.results.result import Result
-from fissura.results.stage import Stage, look_of
+from fissura.results.stage import Look, Stage, look_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +33,12 @@ FloatArray = NDArray[np.float64]
 
 WIDE = 10.0
 """Width of the pictures [inch]."""
+
+NARROW = 3.6
+"""Width of panels [inch] below which their captions take two lines."""
+
+TALL = 6.0
+"""Most height of a row of them [inch]."""
 
 BEFORE_PEAK = 0.8
 """Without a refinement before the peak, the second moment is where the load reaches this part of it."""
@@ -100,19 +107,19 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
     rows = 2 if look.aspect > 1.2 else 1
     columns = -(-len(shown) // rows)
     tall = (WIDE / columns) / look.aspect + 0.45
-    figure = Figure(figsize=(WIDE, rows * min(tall, 6.0) + 2.7), layout="constrained")
-    upper, lower = np.ravel(figure.subfigures(2, 1, squeeze=False, height_ratios=(rows * min(tall, 6.0), 2.7)))
+    figure = Figure(figsize=(WIDE, rows * min(tall, TALL) + 2.7), layout="constrained")
+    upper, lower = np.ravel(figure.subfigures(2, 1, squeeze=False, height_ratios=(rows * min(tall, TALL), 2.7)))
     panels = upper.subplots(rows, columns, squeeze=False, gridspec_kw={"wspace": 0.05}).ravel()
     for axes in panels[len(shown) :]:
         axes.set_axis_off()
     for axes, moment in zip(panels, shown, strict=False):
         Stage(axes, result.case, look).show(moment.frame)
-        _caption(axes, f"{moment.letter}  {moment.name}", moment.frame)
+        _caption(axes, f"{moment.letter}  {moment.name}", moment.frame, look)
     curve, scale = lower.subplots(1, 2, width_ratios=(2.6, 1.0))
     draw_curve(curve, result)
     mark_moments(curve, result, shown)
     draw_scales(scale, look, full=result.full)
-    figure.savefig(path, dpi=DPI)
+    save(figure, path, DPI)
 
 
 def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> None:
@@ -140,19 +147,19 @@ def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
     shown = moments(frames_a)
     others = [_counterpart(comparison, moment.frame, frames_b) for moment in shown]
     look = look_of(a.case, [moment.frame for moment in shown] + others, stress=stress)
-    tall = 0.5 * WIDE / look.aspect + 0.45
+    tall = min(0.5 * WIDE / look.aspect + 0.45, TALL)
     figure = Figure(figsize=(WIDE, len(shown) * tall + 1.2), layout="constrained")
     upper, lower = np.ravel(figure.subfigures(2, 1, squeeze=False, height_ratios=(len(shown) * tall + 0.3, 0.9)))
     panels = upper.subplots(len(shown), 2, squeeze=False, gridspec_kw={"wspace": 0.05})
     for row, (moment, other) in enumerate(zip(shown, others, strict=True)):
         for axes, result, frame in zip(panels[row], (a, b), (moment.frame, other), strict=True):
             Stage(axes, result.case, look, thin=0.7).show(frame)
-            _caption(axes, f"{moment.letter}  {moment.name}" if result is a else "", frame)
+            _caption(axes, f"{moment.letter}  {moment.name}" if result is a else "", frame, look)
     for axes, name in zip(panels[0], _titles(a, b), strict=True):
-        axes.annotate(
-            name,
+        title = axes.annotate(
+            literal(name),
             (0, 1),
-            xytext=(0, 26),
+            xytext=(0, 36 if TALL * look.aspect < NARROW else 26),
             xycoords="axes fraction",
             textcoords="offset points",
             fontsize=12,
@@ -160,8 +167,9 @@ def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
             color=BLUE,
             va="bottom",
         )
+        may_shrink(title)
     draw_scales(lower.subplots(), look, full=a.full and b.full, wide=True)
-    figure.savefig(path, dpi=DPI)
+    save(figure, path, DPI)
 
 
 def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
@@ -195,10 +203,18 @@ def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
         )
 
 
-def _caption(axes: Axes, name: str, frame: Frame) -> None:
+def _caption(axes: Axes, name: str, frame: Frame, look: Look) -> None:
+    """Name of a moment and numbers of its state: in one line, or below each other where a panel is narrow."""
+    narrow = TALL * look.aspect < NARROW
     note = f"{text.length(frame.value)}, {text.force(frame.load)}, {text.count(frame.bodies)} bodies"
-    axes.set_title(name, loc="left", fontsize=10, fontweight="bold", color=INK)
-    axes.set_title(note, loc="right", fontsize=9, color=INK)
+    may_shrink(axes.set_title(name, loc="left", fontsize=10, fontweight="bold", color=INK, pad=18 if narrow else None))
+    if not narrow:
+        axes.set_title(note, loc="right", fontsize=9, color=INK)
+        return
+    below = axes.annotate(
+        note, (0, 1), xytext=(0, 5), xycoords="axes fraction", textcoords="offset points", fontsize=9, color=INK
+    )
+    may_shrink(below)
 
 
 def _titles(a: Result, b: Result) -> tuple[str, str]:

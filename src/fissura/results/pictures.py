@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fissura.results import quantities as text
+from fissura.results.lettering import literal, may_shrink, save
 from fissura.results.measured import MeasuredBand, read_measured
 from fissura.results.peak import peak_position
 from fissura.results.result import Result
@@ -119,7 +120,7 @@ def plot_curve(result: Result, path: Path) -> None:
     axes.set_ylabel(f"load [{y_unit}]")
     headline(axes, result.case.name, _kind(result))
     _legend(axes, gauge, load)
-    figure.savefig(path, dpi=DPI)
+    save(figure, path, DPI)
 
 
 def plot_comparison(comparison: Comparison, path: Path) -> None:
@@ -166,21 +167,23 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
         tidy(axes)
     _legend(upper, values[1], b.load_values)
     figure.align_ylabels()
-    figure.savefig(path, dpi=DPI)
+    save(figure, path, DPI)
 
 
-def headline(axes: Axes, name: str, note: str) -> None:
-    """Name of the picture in bold, and a note below it."""
-    axes.set_title(name, loc="left", fontsize=11, fontweight="bold", color=INK, pad=19)
-    axes.annotate(
-        note,
+def headline(axes: Axes, name: str, note: str, *, raised: float = 0.0) -> None:
+    """Name of the picture in bold, and a note below it, both letter by letter; raised by so many points."""
+    title = axes.set_title(literal(name), loc="left", fontsize=11, fontweight="bold", color=INK, pad=19 + raised)
+    may_shrink(title)
+    below = axes.annotate(
+        literal(note),
         (0, 1),
-        xytext=(0, 5),
+        xytext=(0, 5 + raised),
         xycoords="axes fraction",
         textcoords="offset points",
         fontsize=9,
         color=INK,
     )
+    may_shrink(below)
 
 
 def tidy(axes: Axes) -> None:

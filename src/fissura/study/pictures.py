@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from fissura.results.lettering import legend_below, literal, may_shrink, save
 from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
@@ -77,15 +78,17 @@ def plot_tradeoff(outcome: Outcome, path: Path) -> bool:
         axes.set_ylabel("largest load difference\n[% of the peak]")
     for axes in list(grid.flat)[max(len(panels) - columns, 0) : len(panels)]:
         axes.set_xlabel("processor time, full / adaptive")
-    handles = [Line2D([], [], linestyle="", color=look[name][0], marker=look[name][1], label=name) for name in names]
-    handles += [
-        Line2D([], [], linestyle="", color=INK, marker="o", label="median"),
-        Line2D([], [], linestyle="", color=INK, marker="o", markerfacecolor="white", label="worst"),
-        Line2D([], [], color=INK, linewidth=1.0, label="front of the medians"),
-        Line2D([], [], color=INK, linewidth=1.0, linestyle="--", label="front of the worst"),
+    entries = [
+        (Line2D([], [], linestyle="", color=look[name][0], marker=look[name][1]), literal(name)) for name in names
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=8.5, frameon=False, labelcolor=INK)
-    figure.savefig(path, dpi=DPI)
+    entries += [
+        (Line2D([], [], linestyle="", color=INK, marker="o"), "median"),
+        (Line2D([], [], linestyle="", color=INK, marker="o", markerfacecolor="white"), "worst"),
+        (Line2D([], [], color=INK, linewidth=1.0), "front of the medians"),
+        (Line2D([], [], color=INK, linewidth=1.0, linestyle="--"), "front of the worst"),
+    ]
+    legend_below(figure, entries, colour=INK)
+    save(figure, path, DPI)
     return True
 
 
@@ -147,12 +150,12 @@ def plot_errors(outcome: Outcome, path: Path) -> bool:
         axes.set_xlim(FLOOR / 1.3, None)
         plain(axes.xaxis)
         tidy(axes)
-        axes.set_title(title, fontsize=10, loc="left", color=INK)
-        axes.set_xlabel("difference from full resolution [%]")
+        may_shrink(axes.set_title(title, fontsize=10, loc="left", color=INK))
         axes.grid(axis="y", color="#eef0f2", linewidth=6, zorder=0)
-    grid[0].set_yticks(range(len(names)), [name.replace("_", ", ") for name in names])
+    grid[0].set_yticks(range(len(names)), [literal(name.replace("_", ", ")) for name in names])
     grid[0].invert_yaxis()
-    figure.savefig(path, dpi=DPI)
+    figure.supxlabel("difference from full resolution [%]", fontsize=10, color=INK)
+    save(figure, path, DPI)
     return True
 
 
@@ -209,12 +212,12 @@ def plot_indicators(outcome: Outcome, path: Path) -> bool:
         axes.set_title(f"{name.replace('_', ' ')}{rank}", fontsize=9.5, loc="left", color=INK)
     for axes in grid[:, 0]:
         axes.set_ylabel("largest load difference [%]")
-    handles = [
-        Line2D([], [], linestyle="", marker=MARKERS[k % len(MARKERS)], color=COLOURS[k % len(COLOURS)], label=name)
+    entries = [
+        (Line2D([], [], linestyle="", marker=MARKERS[k % len(MARKERS)], color=COLOURS[k % len(COLOURS)]), literal(name))
         for k, name in enumerate(types)
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=9, frameon=False)
-    figure.savefig(path, dpi=DPI)
+    legend_below(figure, entries, colour=INK, most=len(entries), size=9.0)
+    save(figure, path, DPI)
     return True
 
 
@@ -261,5 +264,5 @@ def plot_places(outcome: Outcome, path: Path) -> bool:
         axes.legend(fontsize=8.5, loc="upper left", frameon=False, labelcolor=INK)
     for axes in list(grid.flat)[len(tests) :]:
         axes.set_visible(False)
-    figure.savefig(path, dpi=DPI)
+    save(figure, path, DPI)
     return True
