@@ -9,7 +9,8 @@ import pytest
 from equilibrium.models import BEAM, CONCRETE, beam, beam_system, changed, half_fine
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
-from fissura.equilibrium import StepSolver, System, prescribed, settle
+from fissura.equilibrium import SingularMatrixError, StepSolver, System, prescribed, settle
+from fissura.equilibrium.constraint import Constraint
 from fissura.specimen import conditions_from_case, specimen_from_case
 from fissura.tessellation import tessellate
 
@@ -196,3 +197,41 @@ def test_a_leap_that_is_made_up_for_at_once_is_gone_on_with(monkeypatch):
     solver = StepSolver(1e-4, 30)
     solver._left = 30
     assert solver._newton_phase(SimpleNamespace(size=0.5)).size == 1e-5
+
+
+@pytest.mark.parametrize("prescribed_gauge", [True, False])
+def test_where_a_mixture_fails_the_next_one_has_less_of_the_tangent(system, monkeypatch, prescribed_gauge):
+    """Down to the secant stiffness, which solves the step alone."""
+    start = settle(system, system.virgin(), 4e-6)
+    guess = (start.response.u, start.load)
+    constraint = prescribed(system.control, 4e-6)
+    if not prescribed_gauge:  # another equation that means the same: a mixture is for prescribed gauges only
+        constraint = Constraint(system.control, 0.0, 4e-6, 1e-9)
+    expected = StepSolver(1e-8, 300).solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0)
+    mixed, shares = StepSolver._mixed, []
+
+    def fails(self, *args):
+        raise SingularMatrixError("on purpose")
+
+    def only_secant(self, trial, share):
+        shares.append(share)
+        return fails(self) if share > 0.0 else mixed(self, trial, share)
+
+    monkeypatch.setattr(StepSolver, "_newton", fails)
+    monkeypatch.setattr(StepSolver, "_mixed", only_secant)
+    found = StepSolver(1e-8, 300).solve(system, system.virgin(), constraint, guess, 0.0)
+    assert shares[:4] == ([0.9, 0.7, 0.5, 0.0] if prescribed_gauge else [0.0] * 4)
+    assert set(shares[4:]) == {0.0}
+    assert found.load == pytest.approx(expected.load, rel=1e-6)
+
+
+def test_a_step_is_given_up_when_the_secant_stiffness_fails(system, monkeypatch):
+    def fails(self, *args):
+        raise SingularMatrixError("on purpose")
+
+    for name in ("_newton", "_mixed"):
+        monkeypatch.setattr(StepSolver, name, fails)
+    guess = (np.zeros(system.size), 0.0)
+    solver = StepSolver(1e-8, 300)
+    assert solver.solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0) is None
+    assert solver._left > 290

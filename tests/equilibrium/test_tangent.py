@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from equilibrium.models import beam, beam_system
-from fissura.equilibrium import StepSolver, best_solver, prescribed, settle, tangent
+from fissura.equilibrium import SingularMatrixError, StepSolver, best_solver, prescribed, settle, tangent
 from fissura.equilibrium.constraint import Constraint
 from fissura.equilibrium.tangent import TangentSolver
 
@@ -131,3 +131,64 @@ def test_a_scaled_system_does_not_take_the_preparation_of_the_other(system):
     softer = system.scaled(0.5)
     assert settle(softer, softer.virgin(), 1e-7).load == pytest.approx(first.load, rel=1e-9)  # all contacts are fine
     assert softer.prepared is not system.prepared
+
+
+@pytest.fixture
+def stale(system, state):
+    """What is needed to solve with a preparation for the virgin structure, and the iterations that a fresh one takes.
+
+    The returned function solves to a reduction of 1e-8.
+    """
+    stiffness = system.law.tangent(state.response.strain[system.active], system.virgin())
+    constraint, residual = prescribed(system.control, VALUE), random_residual(system, state)
+
+    def solve(solver):
+        return solver.solve(state.response, stiffness, state.load, residual, constraint, 0.0, 1e-8)
+
+    system.prepared.prepare(state.response, state.load)
+    fresh = TangentSolver(system)
+    expected = solve(fresh)
+    system.prepared.solve(system.virgin())
+    return solve, fresh.iterations, expected
+
+
+def test_after_a_failure_the_preparation_is_renewed_at_once(system, stale, monkeypatch):
+    """Also when the failure is the first solution with it, which cannot be compared with an earlier one."""
+    solve, fresh, expected = stale
+    solver, count = TangentSolver(system), system.prepared.count
+    monkeypatch.setattr(tangent, "_MOST", fresh)
+    monkeypatch.setattr(tangent, "_USELESS", 1e-7)  # what the stale preparation leaves after these iterations
+    du, load = solve(solver)
+    assert system.prepared.count == count + 1
+    assert solver.iterations == 2 * fresh
+    np.testing.assert_allclose(du, expected[0], atol=1e-6 * np.abs(expected[0]).max())
+    assert load == pytest.approx(expected[1], rel=1e-6)
+
+
+def test_a_failure_with_a_fresh_preparation_is_final(system, state, stale, monkeypatch):
+    solve, *_ = stale
+    system.prepared.prepare(state.response, state.load)
+    count = system.prepared.count
+    monkeypatch.setattr(tangent, "_USELESS", 1e-12)
+    with pytest.raises(SingularMatrixError):
+        solve(TangentSolver(system))
+    assert system.prepared.count == count
+
+
+def test_a_solution_that_was_given_up_is_no_measure_of_a_fresh_preparation(system, stale, monkeypatch):
+    """Taken for one, it would let the stale preparation stay for good."""
+    solve, fresh, expected = stale
+    solver, count = TangentSolver(system), system.prepared.count
+    monkeypatch.setattr(tangent, "_MOST", fresh)
+    monkeypatch.setattr(tangent, "_PREPARATION", fresh - 1)
+    solve(solver)  # of use, but less exact than was asked for
+    assert system.prepared.count == count
+    du, _ = solve(solver)
+    assert system.prepared.count == count + 1
+    np.testing.assert_allclose(du, expected[0], atol=1e-6 * np.abs(expected[0]).max())
+
+
+def test_a_load_that_does_not_move_what_is_controlled_is_an_error_of_its_own(system, state):
+    nothing = prescribed(np.zeros(system.size), 0.0)
+    with pytest.raises(SingularMatrixError, match="does not move"):
+        corrected(system, state, random_residual(system, state), nothing, 0.0)

@@ -204,17 +204,11 @@ class StepSolver:
             # A stalled Newton iteration may have left the path: go on from where it began unless it did well.
             trial = after if after.size < _DID_WELL * trial.size else trial
             begun = trial
-            share = _SHARES_OF_TANGENT[min(bursts, len(_SHARES_OF_TANGENT) - 1)]
             try:
-                for _ in range(_FIRST_BURST * 2**bursts):
-                    if self._left <= 0 or self._converged(trial):
-                        break
-                    self._left -= 1
-                    trial = self._mixed(trial, share)
+                trial, bursts = self._burst(trial, bursts)
             except SingularMatrixError as error:
                 _log.debug("mixed stiffness: %s", error)
                 return None
-            bursts += 1
             if asked.load_factor != 0.0 and not self._converged(trial):
                 self._constraint = holding(self._system, begun.response, trial.response) or asked
         if not self._converged(trial) or not self._near(asked, trial):
@@ -224,6 +218,33 @@ class StepSolver:
         constraint = self._constraint
         value = constraint.value if constraint.prescribed else dot(self._system.control, trial.response.u)
         return Equilibrium(trial.response, trial.load, value, norms, iterations)
+
+    def _burst(self, trial: _Trial, bursts: int) -> tuple[_Trial, int]:
+        """Corrections with a mixture of stiffnesses, and how many bursts there have been then.
+
+        A mixture whose equations cannot be solved counts as a burst: the next one has less of the tangent.
+
+        Raises
+        ------
+        SingularMatrixError
+            Not even the equations of the secant stiffness can be solved.
+        """
+        while True:
+            share = _SHARES_OF_TANGENT[min(bursts, len(_SHARES_OF_TANGENT) - 1)]
+            share = share if self._constraint.prescribed else 0.0
+            bursts += 1
+            try:
+                for _ in range(_FIRST_BURST * 2 ** (bursts - 1)):
+                    if self._left <= 0 or self._converged(trial):
+                        break
+                    self._left -= 1
+                    trial = self._mixed(trial, share)
+            except SingularMatrixError as error:
+                if share == 0.0:
+                    raise
+                _log.debug("mixed stiffness, share %g of the tangent: %s", share, error)
+                continue
+            return trial, bursts
 
     def _near(self, asked: Constraint, trial: _Trial) -> bool:
         """Whether a state found while contacts were held is about as far as was asked for."""
@@ -309,7 +330,10 @@ class StepSolver:
         return self._measured(best, trial)
 
     def _mixed(self, trial: _Trial, share: float) -> _Trial:
-        """Correction with a share of the tangent stiffness, the rest of it secant stiffness."""
+        """Correction with a share of the tangent stiffness, the rest of it secant stiffness.
+
+        Where the controlled quantity is not prescribed, the share is 0.
+        """
         system, constraint = self._system, self._constraint
         stiffness = system.secant_stiffness(trial.response.history)[system.active]
         if constraint.load_factor != 0.0:
@@ -317,7 +341,7 @@ class StepSolver:
             # runs away slowly where it localizes; any share of the tangent would make that a leap.
             kept = dot(constraint.vector, trial.response.u)
             constraint = Constraint(constraint.vector, 0.0, kept, 1.0)
-        elif constraint.prescribed and share > 0.0:
+        elif share > 0.0:
             tangent = system.law.tangent(trial.response.strain[system.active], self._history)
             stiffness += share * (tangent - stiffness)
         du, more = self._corrected(trial, stiffness, constraint)

@@ -55,6 +55,10 @@ class PreparedSecant:
         """Whether the solver has been prepared and not been used for another matrix since."""
         return self._matrix == self._solver.matrices
 
+    def is_for(self, history: FloatArray) -> bool:
+        """Whether it is prepared for the damage of a history: to prepare again would change nothing."""
+        return self.ready and np.array_equal(1.0 - history[:, 0], self.intact)
+
     def solve(self, history: FloatArray) -> FloatArray:
         """Displacements under the unit load with given damage, (6 n,).
 
@@ -88,13 +92,12 @@ class PreparedSecant:
 
     def _factor(self, history: FloatArray) -> None:
         """Prepare the solver; does nothing when it is prepared for this damage."""
-        intact = 1.0 - history[:, 0]
-        if self.ready and np.array_equal(intact, self.intact):
+        if self.is_for(history):
             return
         self._system.factor_secant(history)
         self._matrix = self._solver.matrices
         self.count += 1
-        self.intact, self._exact = intact, False
+        self.intact, self._exact = 1.0 - history[:, 0], False
 
     def apply(self, right: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Approximate displacements for given forces, and the forces that these need exactly; (6 n,) -> (6 n,) each."""

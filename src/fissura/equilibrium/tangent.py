@@ -46,6 +46,7 @@ class TangentSolver:
         self._preparation = -1  # for which the following two hold
         self._fresh: int | None = None
         self._excess = 0
+        self._usual = 0  # iterations that the last preparation needed when it was fresh
 
     def _renew(self, response: Response, load: float) -> None:
         """Prepare the secant stiffness where that has become worth its cost."""
@@ -91,7 +92,7 @@ class TangentSolver:
         """
         self._renew(response, load)
         found = self._minimize(stiffness, residual, constraint, gap, tolerance)
-        if found is None and self._excess > 0:
+        if found is None and not self.system.prepared.is_for(response.history):
             self._excess = _PREPARATION + 1
             self._renew(response, load)
             found = self._minimize(stiffness, residual, constraint, gap, tolerance)
@@ -113,6 +114,8 @@ class TangentSolver:
         chosen, change = system.changed(stiffness, secant.intact)
         a, b = constraint.vector, constraint.load_factor
         reach = dot(a, unit)
+        if not np.isfinite(reach) or reach == 0.0:
+            raise SingularMatrixError("the load does not move what is controlled")
         off = secant.unit_forces - load
         # The constraint's equation counts as the force that the load would need to close its gap.
         scale = norm(weights * load) / abs(reach)
@@ -138,7 +141,10 @@ class TangentSolver:
         found = gmres(operator, np.append(weights * right, -scale * b * more), tolerance, _MOST, system.team)
         self.iterations += found.iterations
         if self._fresh is None:
-            self._fresh = found.iterations
+            # One that was given up does not tell what a fresh preparation needs: counted as that, no later one would
+            # ever exceed it, and the preparation would stay for good.
+            self._fresh = found.iterations if found.reduction <= tolerance else self._usual
+            self._usual = self._fresh
         self._excess += max(found.iterations - self._fresh, 0)
         if not found.reduction < _USELESS or not np.isfinite(found.solution).all():
             return None
