@@ -31,7 +31,7 @@ def cube(load=None, gauge=None, control="gauge"):
 def stiffness(case):
     simulation = Simulation(case)
     step = next(simulation.steps())
-    assert step.load == pytest.approx(simulation.initial_stiffness * step.gauge, rel=1e-3)
+    assert step.load == pytest.approx(simulation.initial_stiffness * step.controlled, rel=1e-3)
     return simulation.initial_stiffness
 
 
