@@ -63,6 +63,7 @@ class _Path:
     displacement: float = 0.0  # of the load
     load: float = 0.0
     dissipated: float = 0.0
+    dissipated_at: FloatArray | float = 0.0  # at the load, every support, and all of them
     spent: float = 0.0  # energy dissipated in the last step
     in_energy: bool = False  # whether it led there
     aim: FloatArray | None = None  # history that the step being repeated had found before refinement
@@ -152,7 +153,7 @@ class Simulation:
                 "supports", f"the structure is a mechanism ({error})", "supports that hold all of the specimen"
             ) from error
         if self.initial_stiffness < 0.0:
-            raise backward_gauge(self.case, system.conditions.control, self.initial_stiffness)
+            raise backward_gauge(system.conditions, self.initial_stiffness)
         if structure.compliance is not None:
             off = self.initial_stiffness * structure.compliance - 1.0
             if abs(off) > _STIFFNESS_ERROR:
@@ -331,12 +332,14 @@ class Simulation:
         spent = system.dissipated(path.now.response, found.response)
         path.spent = float(spent.sum())
         path.dissipated += path.spent
+        path.dissipated_at = path.dissipated_at + system.carried.sums(spent)
         path.in_energy = goal.in_energy
         path.work += 0.5 * (path.load + found.load) * (displacement - path.displacement)
         path.before, path.now, path.aim = path.now, found, None
         path.number += 1
         path.displacement, path.load = displacement, found.load
         path.peak = max(path.peak, abs(found.load))
+        reactions = system.reactions(found.response, found.load)
         step = Step(
             number=path.number,
             gauge=gauge,
@@ -358,6 +361,9 @@ class Simulation:
             snapshot=self._snapshot(system, found, criterion, state.stress),
             control=goal.control,
             quantity=self.case.quantity,
+            reactions=reactions.each,
+            rest=reactions.rest,
+            dissipated_at=path.dissipated_at,
             load_change=path.load_change,
             spent=spent,
             utilisation=state.utilisation,

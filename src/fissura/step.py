@@ -96,6 +96,12 @@ class Step:
         Energy that each contact of the snapshot dissipated in this step [J].
     quantity : str
         The controlled quantity: "gauge" or "displacement" of the load.
+    reactions : (s, 6) array
+        Force [N] and moment about the middle of its place [N m] of every support, on the specimen.
+    rest : (6,) array
+        Force [N], and moment about the middle of the load's place [N m], that load and reactions leave out of balance.
+    dissipated_at : (1 + s + 1,) array
+        Energy dissipated so far by contacts of the bodies on which the load acts, every support, and any of them [J].
     utilisation : (m,) array
         Effective traction over strength of the snapshot's coarse contacts, as the criterion saw it; 0 for fine contacts
         and in elastic regions.
@@ -124,6 +130,9 @@ class Step:
     spent: FloatArray = field(default_factory=lambda: np.zeros(0))
     utilisation: FloatArray = field(default_factory=lambda: np.zeros(0))
     quantity: Quantity = "gauge"
+    reactions: FloatArray = field(default_factory=lambda: np.zeros((0, 6)))
+    rest: FloatArray = field(default_factory=lambda: np.zeros(6))
+    dissipated_at: FloatArray = field(default_factory=lambda: np.zeros(2))
 
     @property
     def controlled(self) -> float:

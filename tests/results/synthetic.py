@@ -143,6 +143,8 @@ def step(number, gauge, load, shot=None, **changes):
         "max_elastic_utilisation": 0.8,
         "residual": 1e-6,
         "snapshot": snapshot(stack()) if shot is None else shot,
+        "reactions": np.zeros((1, 6)),
+        "dissipated_at": np.zeros(3),
     }
     return Step(**(values | changes))
 

@@ -169,10 +169,10 @@ class Store:
         task, curve = outcome.task, outcome.curve
         for name, data in outcome.files.items():
             write_atomically(part / name, data)
-        writer = CurveWriter(part / "curve.csv")
+        writer = CurveWriter(part / "curve.csv", COLUMNS if curve is None else list(curve))
         if curve is not None:
             for k in range(len(curve["step"])):
-                writer.write({name: curve[name][k] for name in COLUMNS})
+                writer.write({name: values[k] for name, values in curve.items()})
         writer.close()
         case = task.case.model_dump(mode="json", exclude={"source"})
         write_json(part / "case.json", case)

@@ -26,6 +26,7 @@ from fissura.equilibrium.attach import attach, attach_rows, owners
 from fissura.equilibrium.krylov import dot
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
+from fissura.equilibrium.reactions import Carried, Reactions, carried, reactions
 from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.equilibrium.team import ALONE, Team
 from fissura.material import Material, Regions
@@ -331,10 +332,27 @@ class System:
         out[self._guarded] = self.elastic_law.utilisation(self.elastic_scale * response.strain[self._guarded])
         return out
 
+    def support_forces(self, response: Response) -> FloatArray:
+        """Force of every functional of the supports on the specimen [N], shape (r,)."""
+        forces: FloatArray = -self.support_stiffness * (self.support_rows @ response.u[self.support_dofs])
+        return forces
+
+    def reactions(self, response: Response, load: float) -> Reactions:
+        """Reactions of the supports, and what they and the load [N] leave out of balance."""
+        return reactions(self.conditions, self.support_forces(response), load)
+
+    @cached_property
+    def carried(self) -> Carried:
+        """Contacts of the bodies on which the load and the supports act."""
+        sizes = [len(functional.points) for functional in self._acting]
+        owners_of = np.split(self._acting_bodies, np.cumsum(sizes)[:-1])
+        ends = np.cumsum([1, *(held.functionals for held in self.conditions.held)])
+        supports = [np.concatenate(owners_of[a:b]) for a, b in pairwise(ends)]
+        return carried(self.tessellation, [owners_of[0], *supports])
+
     def stress(self, response: Response, load: float) -> FloatArray:
         """Stress in bodies [Pa], with the forces of load and supports at their points; shape (n, 3, 3)."""
-        reactions = -self.support_stiffness * (self.support_rows @ response.u[self.support_dofs])
-        sizes = (load, *reactions)
+        sizes = (load, *self.support_forces(response))
         forces = np.concatenate([f.coefficients * size for f, size in zip(self._acting, sizes, strict=True)])
         return body_stress(
             self.tessellation,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fissura.case import Quantity
     from fissura.step import Step
 
-__all__ = ["COLUMNS", "COLUMN_OF", "Curve", "CurveWriter", "Row", "columns", "read_curve", "row"]
+__all__ = ["COLUMNS", "COLUMN_OF", "Curve", "CurveWriter", "Row", "columns", "read_curve", "row", "support_columns"]
 
 Curve = dict[str, NDArray[Any]]
 """Column name -> 1-D array, one entry per step; int64 for counts, text, float64 for all others."""
@@ -41,13 +41,21 @@ COLUMNS: tuple[str, ...] = (
     "stored_J",
     "work_J",
     "exchanged_J",
+    "dissipated_at_places_J",
+    "unbalanced_N",
+    "unbalanced_Nm",
     "max_elastic_utilisation",
     "residual",
     "cpu_s",
     "wall_s",
     "control",
 )
-"""Columns of ``curve.csv`` in order; the part after the last underscore is the unit, if there is one."""
+"""Columns of every ``curve.csv`` in order; the part after the last underscore is the unit, if there is one."""
+
+REACTION: tuple[str, ...] = tuple(
+    f"{kind}_{axis}_{unit}" for kind, unit in (("force", "N"), ("moment", "Nm")) for axis in "xyz"
+)
+"""Parts of the reaction of a support."""
 
 COLUMN_OF: dict[Quantity, str] = {"gauge": "gauge_m", "displacement": "load_displacement_m"}
 """Column of each quantity that may be controlled."""
@@ -69,8 +77,25 @@ COUNTS = frozenset(
 TEXTS = frozenset({"control"})
 """Columns of words."""
 
-LATER = frozenset({"coarsenings", "control", "exchanged_J", "linear_iterations"})
+LATER = frozenset(
+    {
+        "coarsenings",
+        "control",
+        "dissipated_at_places_J",
+        "exchanged_J",
+        "linear_iterations",
+        "unbalanced_N",
+        "unbalanced_Nm",
+    }
+)
 """Columns that the first files did not have."""
+
+
+def support_columns(supports: int) -> tuple[str, ...]:
+    """Columns that follow those of `COLUMNS`, for a number of supports: energies at the places, and reactions."""
+    names = [f"support_{k}" for k in range(supports)]
+    energies = [f"dissipated_at_{name}_J" for name in ("load", *names)]
+    return (*energies, *(f"{name}_{part}" for name in names for part in REACTION))
 
 
 def row(step: Step, cpu_s: float, wall_s: float) -> Row:
@@ -86,8 +111,11 @@ def row(step: Step, cpu_s: float, wall_s: float) -> Row:
     Returns
     -------
     dict
-        Value of every column of `COLUMNS`.
+        Value of every column of `COLUMNS` and of `support_columns`.
     """
+    *at, at_all = step.dissipated_at.tolist()
+    force, moment = (float(np.linalg.norm(part)) for part in (step.rest[:3], step.rest[3:]))
+    more = dict(zip(support_columns(len(step.reactions)), [*at, *step.reactions.ravel().tolist()], strict=True))
     return {
         "step": step.number,
         "gauge_m": step.gauge,
@@ -104,18 +132,22 @@ def row(step: Step, cpu_s: float, wall_s: float) -> Row:
         "stored_J": step.stored,
         "work_J": step.work,
         "exchanged_J": step.exchanged,
+        "dissipated_at_places_J": at_all,
+        "unbalanced_N": force,
+        "unbalanced_Nm": moment,
         "max_elastic_utilisation": step.max_elastic_utilisation,
         "residual": step.residual,
         "cpu_s": cpu_s,
         "wall_s": wall_s,
         "control": step.control,
+        **more,
     }
 
 
 def columns(rows: Iterable[Mapping[str, float | str]]) -> Curve:
-    """Columns of a list of rows; arrays of length zero when there are none."""
+    """Columns of a list of rows; those of `COLUMNS`, of length zero, when there are none."""
     rows = list(rows)
-    return {name: np.array([r[name] for r in rows], dtype=_dtype(name)) for name in COLUMNS}
+    return {name: np.array([r[name] for r in rows], dtype=_dtype(name)) for name in (rows[0] if rows else COLUMNS)}
 
 
 class CurveWriter:
@@ -125,17 +157,20 @@ class CurveWriter:
     ----------
     path : Path
         File to write; an older one is replaced.
+    names : sequence of str
+        Its columns.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, names: Sequence[str] = COLUMNS) -> None:
+        self._names = tuple(names)
         self._file: TextIO = path.open("w", encoding="utf-8", newline="")
         self._writer = csv.writer(self._file, lineterminator="\n")
-        self._writer.writerow(COLUMNS)
+        self._writer.writerow(self._names)
         self._file.flush()
 
     def write(self, values: Mapping[str, float | str]) -> None:
         """Append one row and hand it to the operating system."""
-        self._writer.writerow([_written(name, values[name]) for name in COLUMNS])
+        self._writer.writerow([_written(name, values[name]) for name in self._names])
         self._file.flush()
 
     def close(self) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fissura.errors import InputError
 from fissura.files import write_atomically, write_json
-from fissura.results.curve import CurveWriter, Row, columns, row
+from fissura.results.curve import COLUMNS, CurveWriter, Row, columns, row, support_columns
 from fissura.results.done import Done
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.result import Result
@@ -180,7 +180,7 @@ class Recorder:
             write_atomically(folder / "case.toml", source.encode())
         resolved = case.model_dump(mode="json", exclude={"source"})
         write_json(folder / "case.json", resolved)
-        return CurveWriter(folder / "curve.csv")
+        return CurveWriter(folder / "curve.csv", (*COLUMNS, *support_columns(len(case.supports))))
 
     def _write_vtk(self, step: Step) -> None:
         if self._folder is None or self._simulation.case.output.vtk == 0 or step.number in self._written:

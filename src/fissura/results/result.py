@@ -162,6 +162,7 @@ class Result:
             ("initial stiffness", text.stiffness(self.initial_stiffness)),
             ("dissipated energy", text.energy(self.dissipated_energy)),
             ("energy balance error", text.per_cent(number("energy_balance_error"))),
+            ("load and reactions differ by", text.per_cent(number("unbalanced_force"))),
             (
                 "elastic contacts at most at",
                 text.per_cent(number("max_elastic_utilisation")) + " of strength",

@@ -19,6 +19,7 @@ from fissura.errors import InputError, Notice
 from fissura.files import write_json
 from fissura.results.curve import Curve
 from fissura.results.peak import negative_before_peak, peak_position
+from fissura.results.places import torn_at_places
 from fissura.results.quantities import length
 
 if TYPE_CHECKING:
@@ -91,6 +92,8 @@ def build_summary(
         "work_J": work,
         "exchanged_J": exchanged,
         "energy_balance_error": (work + exchanged - stored - dissipated) / work if work else None,
+        "unbalanced_force": _unbalanced(curve, "unbalanced_N"),
+        "unbalanced_arm_m": _unbalanced(curve, "unbalanced_Nm"),
         "elastic_scale": simulation.elastic_scale,
         "max_elastic_utilisation": used,
         "load_error_bound": bound,
@@ -116,6 +119,7 @@ def build_summary(
             for notice in (
                 *simulation.notices,
                 *(negative_before_peak(curve["load_N"], curve["gauge_m"]) if steps else ()),
+                *torn_at_places(curve),
                 *refined_late(curve),
                 *_beyond(case.adaptivity.tolerance, bound),
             )
@@ -123,6 +127,12 @@ def build_summary(
         "versions": versions(),
     }
     return {key: _plain(value) for key, value in summary.items()}
+
+
+def _unbalanced(curve: Curve, name: str) -> float | None:
+    """Largest value of a column over the largest load; None without a load."""
+    load = np.abs(curve["load_N"]).max(initial=0.0)
+    return float(curve[name].max() / load) if load else None
 
 
 def _field(simulation: Simulation) -> dict[str, Any] | None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fissura.case import Case, Gauge
     from fissura.specimen.box import Box
 
-__all__ = ["SUPPORTS", "Conditions", "Functional", "conditions_from_case"]
+__all__ = ["SUPPORTS", "Conditions", "Functional", "Held", "conditions_from_case"]
 
 FloatArray = NDArray[np.float64]
 
@@ -43,11 +43,35 @@ class Functional:
     points: FloatArray
     coefficients: FloatArray
 
+    @property
+    def middle(self) -> FloatArray:
+        """Mean of the points, weighted by the sizes of their coefficients, shape (3,) [m]."""
+        return np.average(self.points, axis=0, weights=np.linalg.norm(self.coefficients, axis=1))
+
     def __sub__(self, other: Functional) -> Functional:
         return Functional(
             np.concatenate([self.points, other.points]),
             np.concatenate([self.coefficients, -other.coefficients]),
         )
+
+
+@dataclass(frozen=True)
+class Held:
+    """A support as a whole.
+
+    Attributes
+    ----------
+    key : str
+        Where it stands in the case file, ``"supports[0]"``.
+    middle : (3,) array
+        Centroid of its place [m].
+    functionals : int
+        How many functionals it has.
+    """
+
+    key: str
+    middle: FloatArray
+    functionals: int
 
 
 @dataclass(frozen=True)
@@ -57,19 +81,25 @@ class Conditions:
     Attributes
     ----------
     supports : tuple of Functional
-        Each is held at zero.
+        Each is held at zero; those of the first support come first.
     load : Functional
         Distribution of the unit load; as a functional, the mean displacement along the load.
     control : Functional
         The controlled quantity: the gauge, or the displacement of the load.
     gauge : Functional or None
         The gauge, whatever is controlled; None where there is none.
+    held : tuple of Held
+        The supports, to whom `supports` belong in this order.
+    pulls : bool
+        Whether the load points out of the specimen.
     """
 
     supports: tuple[Functional, ...]
     load: Functional
     control: Functional
     gauge: Functional | None = None
+    held: tuple[Held, ...] = ()
+    pulls: bool = False
 
 
 def _mean(patch: Patch, direction: FloatArray) -> Functional:
@@ -150,12 +180,15 @@ def conditions_from_case(case: Case, box: Box) -> Conditions:
     """
     spacing = case.discretization.l_f / 5.0
     supports: list[Functional] = []
+    held: list[Held] = []
     for k, part in enumerate(case.supports):
         kind = SUPPORTS.get(part.type)
         if kind is None:
             raise InputError(f"supports[{k}].type", f"{part.type!r} is not known", ", ".join(SUPPORTS))
         patch = patch_from_part(part, box, spacing, f"supports[{k}]")
-        supports += [row for row in kind(patch) if row is not None]
+        rows = [row for row in kind(patch) if row is not None]
+        supports += rows
+        held.append(Held(f"supports[{k}]", patch.centroid, len(rows)))
     _check_stability(supports, 0.5 * np.asarray(box.size), max(box.size))
 
     patch = patch_from_part(case.load, box, spacing, "load")
@@ -165,13 +198,14 @@ def conditions_from_case(case: Case, box: Box) -> Conditions:
         direction = np.asarray(case.load.direction, float)
         direction = direction / np.linalg.norm(direction)
     load = _mean(patch, direction)
+    pulls = patch.outward * float(direction @ patch.frame[1]) > 0.0
 
     gauge = None if case.gauge is None else _gauge(case.gauge, box, spacing)
     if case.quantity == "displacement":
-        return Conditions(tuple(supports), load, load, gauge)
+        return Conditions(tuple(supports), load, load, gauge, tuple(held), pulls)
     if gauge is None:
         raise InputError("gauge", "is missing, but control.type is 'gauge'", "a table [gauge] with a and b")
-    return Conditions(tuple(supports), load, gauge, gauge)
+    return Conditions(tuple(supports), load, gauge, gauge, tuple(held), pulls)
 
 
 def _gauge(part: Gauge, box: Box, spacing: float) -> Functional:
