@@ -28,7 +28,7 @@ from fissura.material import (
     field_from_case,
     material_from_case,
 )
-from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.specimen import conditions_from_case, gauge_notices, specimen_from_case
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case
 
 if TYPE_CHECKING:
@@ -75,9 +75,9 @@ class Structure:
         self._law = law_from_case(case)
         self._material = material_from_case(case)
         check_ductile(case)
-        self.notices = case_notices(case)
         self.box = specimen_from_case(case)
         self._conditions = conditions_from_case(case, self.box)
+        self.notices = (*case_notices(case), *gauge_notices(case, self._conditions))
         self._elastic = elastic_from_case(case)
         self.field = field_from_case(case)
         self._team = Team(case.solver.threads)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fissura.errors import InputError
 from fissura.specimen.box import Box
 from fissura.specimen.conditions import Conditions, Functional, conditions_from_case
-from fissura.specimen.direction import backward_gauge
+from fissura.specimen.gauge import backward_gauge, gauge_notices
 from fissura.specimen.notch import Notch
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ __all__ = [
     "Notch",
     "backward_gauge",
     "conditions_from_case",
+    "gauge_notices",
     "specimen_from_case",
 ]
 

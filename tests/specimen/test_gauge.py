@@ -1,4 +1,4 @@
-"""Loads that make the gauge smaller are refused; compression is followed by a gauge that counts shortening."""
+"""Loads that make the gauge smaller are refused; gauges beside the notch are a warning."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import pytest
 from fissura.case import case_from_dict
 from fissura.errors import InputError
 from fissura.simulation import Simulation
+from fissura.specimen import conditions_from_case, gauge_notices, specimen_from_case
 
 UP, DOWN = [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]
 
@@ -64,3 +65,44 @@ def test_pressing_and_pulling_have_the_same_first_stiffness():
 def test_dissipation_starts_with_the_gauge_and_is_refused_too():
     with pytest.raises(InputError, match=r"gauge\.direction"):
         next(Simulation(cube(control="dissipation")).steps())
+
+
+# --- beside the notch ------------------------------------------------------------------------------------------------
+
+
+def notices(case):
+    return gauge_notices(case, conditions_from_case(case, specimen_from_case(case)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "warned"),
+    [
+        ({}, False),
+        ({"gauge__b__at": 0.057}, True),  # a at 55 mm, the notch at 60 mm
+        ({"gauge__a__at": 0.061}, True),
+        ({"gauge__a__at": 0.061, "notch": []}, False),
+        (
+            {"gauge__a__at": 0.061, "notch": [{"position": 0.03, "depth": 0.01}, {"position": 0.09, "depth": 0.01}]},
+            False,
+        ),
+        ({"gauge__a__at": 0.061, "control__type": "displacement"}, True),
+        ({"gauge": None, "control__type": "displacement"}, False),
+        ({"gauge": {"a": {"face": "left"}, "b": {"face": "right"}}}, False),
+        ({"gauge": {"a": {"face": "left"}, "b": {"face": "top"}}}, False),  # the top lies on both sides
+        ({"gauge": {"a": {"face": "left"}, "b": {"face": "top", "at": 0.055, "width": 0.02}}}, False),
+        ({"gauge": {"a": {"face": "left"}, "b": {"face": "top", "at": 0.04, "width": 0.02}}}, True),
+        ({"gauge": {"a": {"face": "left"}, "b": {"face": "bottom", "point": [0.05, 0.0, 0.02]}}}, True),
+        # A deflection, from the support to beside the notch.
+        ({"gauge__a__at": 0.01, "gauge__b__at": 0.055, "gauge__direction": [0, -1, 0]}, False),
+    ],
+)
+def test_both_ends_on_one_side_of_the_only_notch(small_case, changes, warned):
+    found = notices(small_case(**changes))
+    assert [notice.key for notice in found] == (["gauge"] if warned else [])
+    if warned:
+        assert "one side of the notch at x = 60 mm" in found[0].problem
+
+
+def test_a_gauge_beside_the_notch_is_told_by_check(small_case):
+    found = Simulation(small_case(gauge__a__at=0.02, gauge__b__at=0.05)).notices
+    assert "gauge" in [notice.key for notice in found]

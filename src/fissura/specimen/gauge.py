@@ -1,4 +1,4 @@
-"""A load that moves the gauge backwards: which key of the case is to be turned."""
+"""Gauges that do not measure what they are meant to: they get smaller under the load, or do not see the notch."""
 
 from __future__ import annotations
 
@@ -6,12 +6,44 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fissura.errors import InputError
+from fissura.errors import InputError, Notice
+from fissura.specimen.notch import AXES
 
 if TYPE_CHECKING:
+    from fissura.case import Case
     from fissura.specimen.conditions import Conditions
 
-__all__ = ["backward_gauge"]
+__all__ = ["backward_gauge", "gauge_notices"]
+
+
+def gauge_notices(case: Case, conditions: Conditions) -> tuple[Notice, ...]:
+    """Whether a gauge has both of its ends on one side of the only notch.
+
+    Gauges that measure along the plane of the notch, such as a deflection, are left alone.
+
+    Parameters
+    ----------
+    case : Case
+        Where the notch is.
+    conditions : Conditions
+        Where the gauge is.
+    """
+    gauge = conditions.gauge
+    if gauge is None or len(case.notch) != 1:
+        return ()
+    (notch,) = case.notch
+    axis = AXES[notch.normal]
+    beyond = gauge.points[:, axis] - notch.position
+    if not (np.all(beyond > 0.0) or np.all(beyond < 0.0)) or not np.any(gauge.coefficients[:, axis]):
+        return ()
+    return (
+        Notice(
+            "gauge",
+            f"both ends lie on one side of the notch at {notch.normal} = {1e3 * notch.position:.6g} mm, so it does not"
+            " measure how the notch opens",
+            "place gauge.a and gauge.b on different sides of the notch",
+        ),
+    )
 
 
 def backward_gauge(conditions: Conditions, stiffness: float) -> InputError:
