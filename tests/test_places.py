@@ -45,6 +45,7 @@ APART = {
 WRONG = {
     "gauge on one body": (UNNOTCHED | {"gauge": GAUGE}, "gauge", "one rigid body"),
     "turned gauge on one body": (UNNOTCHED | {"gauge": GAUGE | {"direction": [0, 1, 1]}}, "gauge", "one rigid body"),
+    "recorded gauge on one body": (UNNOTCHED | {"gauge": GAUGE, "control__type": "displacement"}, "gauge", "one rigid"),
     "gauge on supports": (
         {"gauge": {"a": {"face": "bottom", "at": 0.01}, "b": {"face": "bottom", "at": 0.11}, "direction": [0, 1, 0]}},
         "gauge",

@@ -88,9 +88,8 @@ class Structure:
             check_not_everywhere(self._elastic, self._whole().contacts.centroid)
         self.compliance: float | None = None
         start = self._discretized(self._region)
-        gauge = case.quantity == "gauge"
         for bodies, coarse in ((self.nuclei, False), (start, not full)):
-            check_places(self._conditions, bodies, case.discretization.l_f, gauge=gauge, start=coarse)
+            check_places(self._conditions, bodies, case.discretization.l_f, start=coarse)
         self.system = self._equations(start)
 
     def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:

@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 _ROUND_OFF = 1e-9
 
 
-def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, gauge: bool, start: bool) -> None:
+def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: bool) -> None:
     """Refuse what no calculation can mend: a gauge that measures nothing, a load that supports take over.
 
     Parameters
@@ -28,35 +28,36 @@ def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, gauge: b
         Rigid bodies.
     arm : float
         Length by which moments compare with forces [m].
-    gauge : bool
-        Whether the controlled quantity is the gauge.
     start : bool
-        Whether these are the bodies of a start that is coarse, so that finer ones may help.
+        Whether these are the bodies of a start that is coarse, so that finer ones may help. A gauge that is only
+        recorded may become one that measures something then.
 
     Raises
     ------
     InputError
         Both ends of the gauge lie on one body; supports hold the bodies of the gauge or of the load.
     """
-    functionals = (conditions.load, conditions.control, *conditions.supports)
+    gauge = conditions.gauge
+    if gauge is not conditions.control and start:
+        gauge = None
+    functionals = (conditions.load, *conditions.supports, *([] if gauge is None else [gauge]))
     body = owners(bodies, np.concatenate([f.points for f in functionals]))
     rows = attach_rows(functionals, bodies, body)
     used = np.unique(rows.indices)
     dense = rows[:, used].toarray() / np.where(used % 6 < 3, 1.0, arm)
-    load, control, supports = dense[0], dense[1], dense[2:]
+    load, supports = dense[0], dense[1 : 1 + len(conditions.supports)]
     finer = ", or bodies that are fine there from the start (adaptivity.regions, discretization.l_c)" if start else ""
     when = " at the start" if start else ""
-    if gauge:
-        first = len(conditions.load.points)
-        owner = body[first : first + len(conditions.control.points)]
-        most = np.abs(conditions.control.coefficients).sum()
-        if (owner == owner[0]).all() or np.linalg.norm(control) <= _ROUND_OFF * most:
+    if gauge is not None:
+        owner, measured = body[-len(gauge.points) :], dense[-1]
+        most = np.abs(gauge.coefficients).sum()
+        if (owner == owner[0]).all() or np.linalg.norm(measured) <= _ROUND_OFF * most:
             raise InputError(
                 "gauge",
                 f"both of its ends lie on one rigid body{when}, so that it measures nothing",
                 f"ends farther apart than two bodies, or on both sides of a notch{finer}",
             )
-        if _spanned(control, supports):
+        if _spanned(measured, supports):
             raise InputError("gauge", f"supports hold both of its ends{when}", f"places that can move{finer}")
     if _spanned(load, supports):
         raise InputError(
