@@ -28,7 +28,14 @@ from fissura.material import (
     field_from_case,
     material_from_case,
 )
-from fissura.specimen import conditions_from_case, gauge_notices, specimen_from_case
+from fissura.specimen import (
+    conditions_from_case,
+    edge_notices,
+    gauge_notices,
+    specimen_from_case,
+    thin_notices,
+    thin_parts,
+)
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case
 
 if TYPE_CHECKING:
@@ -76,8 +83,14 @@ class Structure:
         self._material = material_from_case(case)
         check_ductile(case)
         self.box = specimen_from_case(case)
+        thin = thin_notices(thin_parts(self.box), case.discretization.l_f)
         self._conditions = conditions_from_case(case, self.box)
-        self.notices = (*case_notices(case), *gauge_notices(case, self._conditions))
+        self.notices = (
+            *case_notices(case),
+            *thin,
+            *edge_notices(case, self.box),
+            *gauge_notices(case, self._conditions),
+        )
         self._elastic = elastic_from_case(case)
         self.field = field_from_case(case)
         self._team = Team(case.solver.threads)

@@ -9,6 +9,7 @@ from fissura.specimen.box import Box
 from fissura.specimen.conditions import Conditions, Functional, conditions_from_case
 from fissura.specimen.gauge import backward_gauge, gauge_notices
 from fissura.specimen.notch import Notch
+from fissura.specimen.thin import edge_notices, thin_notices, thin_parts
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -21,8 +22,11 @@ __all__ = [
     "Notch",
     "backward_gauge",
     "conditions_from_case",
+    "edge_notices",
     "gauge_notices",
     "specimen_from_case",
+    "thin_notices",
+    "thin_parts",
 ]
 
 #: Shapes by the name that a case file gives; each is built by its ``from_case``.
