@@ -81,9 +81,9 @@ class Structure:
         self._criterion = criterion_named(case.adaptivity.criterion)
         self._law = law_from_case(case)
         self._material = material_from_case(case)
-        check_ductile(case)
         self.box = specimen_from_case(case)
         thin = thin_notices(thin_parts(self.box), case.discretization.l_f)
+        check_ductile(case)
         self._conditions = conditions_from_case(case, self.box)
         self.notices = (
             *case_notices(case),

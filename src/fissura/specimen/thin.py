@@ -1,7 +1,8 @@
 """Parts of a specimen that are thin against the size of its bodies, and forces at its edges.
 
-Bodies are rigid and touch at one point of each facet, so that a part one body thick bends at every facet like a hinge,
-and its stiffness and strength are those of single facets (docs/verification.md has numbers).
+Bodies are rigid and act on each other at one point of each facet, so that a facet that spans a part alone is a hinge.
+Two bodies across a part leave its bending 12 % too soft and its twist 25 %, three 4 % and 12 %; a ligament of one body
+has a third of its stiffness (docs/verification.md, benchmarks/thin_parts.py).
 """
 
 from __future__ import annotations
@@ -23,8 +24,11 @@ if TYPE_CHECKING:
 
 __all__ = ["LEAST", "USUAL", "Thickness", "edge_notices", "thin_notices", "thin_parts"]
 
-#: Bodies across a part, by the spacing of their nuclei: with fewer it is refused, or warned of.
+#: Thickness of a part in spacings below which it is refused, and below which it is warned of.
 LEAST, USUAL = 1.0, 3.0
+
+#: Thickness in spacings below which some facets span a part alone.
+SINGLE = 1.5
 
 _ROUND_OFF = 1e-9
 
@@ -104,11 +108,18 @@ def thin_notices(parts: Iterable[Thickness], l_f: float) -> list[Notice]:
             found.append(
                 Notice(
                     part.key,
-                    f"{thick}{part.value / l_f:.2g} l_f: too few bodies for its stiffness and strength in bending",
+                    f"{thick}{part.value / l_f:.2g} l_f: {_too_few(part.value / l_f)}",
                     f"discretization.l_f of at most {1e3 * part.value / USUAL:.3g} mm",
                 )
             )
     return found
+
+
+def _too_few(spacings: float) -> str:
+    """What is wrong with so few bodies across a part."""
+    if spacings < SINGLE:
+        return "single facets may span it, which are hinges, so that it has little or no stiffness in bending and twist"
+    return "so few bodies across it leave it too soft, by up to a half in twist and at notches"
 
 
 def edge_notices(case: Case, box: Box) -> Iterator[Notice]:

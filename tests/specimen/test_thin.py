@@ -1,0 +1,102 @@
+"""Parts thinner than bodies are refused or warned of, from case files; so are forces at edges."""
+
+from __future__ import annotations
+
+import pytest
+
+from fissura.check import report
+from fissura.errors import InputError
+
+#: Of the small beam, 120 x 60 x 40 mm with a notch of 30 mm.
+L_F = 0.008
+
+TOP = {"face": "top", "position": 0.06}
+
+
+def notches(top):
+    """A second notch, opposite to that of the small beam."""
+    return {"notch": [{"position": 0.06, "depth": 0.03}, TOP | {"depth": top}], "load__at": 0.07}
+
+
+def near_end(position):
+    gauge = {"a": {"face": "bottom", "at": position - 0.002}, "b": {"face": "bottom", "at": position + 0.002}}
+    supports = [{"type": "pin", "face": "bottom", "at": 0.05}, {"type": "roller", "face": "bottom", "at": 0.11}]
+    return {"notch__position": position, "gauge": gauge, "supports": supports, "load__at": 0.08}
+
+
+REFUSED = {
+    "thickness": ({"specimen__size": [0.12, 0.06, 0.0079]}, "specimen.size"),
+    "depth": ({"specimen__size": [0.12, 0.0079, 0.06], "notch": None}, "specimen.size"),
+    "spacing in m": ({"discretization": {"l_f": 10}}, "discretization.l_f"),
+    "ligament": ({"notch__depth": 0.0521}, "notch.depth"),
+    "1 mm of ligament": ({"notch__depth": 0.059}, "notch.depth"),
+    "ligament below a saw cut": ({"notch__depth": 0.0521, "notch__width": 0.004}, "notch.depth"),
+    "ligament between notches": (notches(0.0221), "notch[1].depth"),
+    "notch at the end": (near_end(0.0079), "notch.position"),
+    "saw cut at the end": (near_end(0.0089) | {"notch__width": 0.002}, "notch.position"),
+    "notches side by side": (
+        {"notch": [{"position": 0.06, "depth": 0.03}, {"position": 0.0679, "depth": 0.02}]},
+        "notch[1].position",
+    ),
+}
+
+WARNED = {
+    "thickness": ({"specimen__size": [0.12, 0.06, L_F]}, ["specimen.size"]),
+    "2.9 of thickness": ({"specimen__size": [0.12, 0.06, 2.9 * L_F]}, ["specimen.size"]),
+    "3 of thickness": ({"specimen__size": [0.12, 0.06, 3 * L_F]}, []),
+    "ligament": ({"notch__depth": 0.06 - L_F}, ["notch.depth"]),
+    "2.9 of ligament": ({"notch__depth": 0.06 - 2.9 * L_F}, ["notch.depth"]),
+    "3 of ligament": ({"notch__depth": 0.06 - 3 * L_F}, []),
+    "ligament between notches": (notches(0.03 - 2.9 * L_F), ["notch[1].depth"]),
+    "3 between notches": (notches(0.03 - 3 * L_F), []),
+    "notch near the end": (near_end(2.9 * L_F), ["notch.position"]),
+    "notch 3 from the end": (near_end(3 * L_F), []),
+}
+
+
+@pytest.mark.parametrize(("changes", "key"), REFUSED.values(), ids=REFUSED)
+def test_thinner_than_a_body_is_refused(small_case, changes, key):
+    with pytest.raises(InputError, match=r"less than one body|larger than the specimen") as caught:
+        report(small_case(**changes))
+    assert caught.value.key == key
+
+
+@pytest.mark.parametrize(("changes", "keys"), WARNED.values(), ids=WARNED)
+def test_thinner_than_three_bodies_is_warned_of(small_case, changes, keys):
+    assert [notice.key for notice in report(small_case(**changes)).warnings] == keys
+
+
+def test_what_is_said(small_case):
+    (notice,) = report(small_case(notch__depth=0.045)).warnings
+    assert str(notice) == (
+        "notch.depth: the ligament is 15 mm thick, 1.9 l_f: so few bodies across it leave it too soft, by up to a half"
+        " in twist and at notches (what to do: discretization.l_f of at most 5 mm)"
+    )
+    (notice,) = report(small_case(notch__depth=0.05)).warnings
+    assert "single facets may span it, which are hinges" in notice.problem
+
+
+INSIDE = {"type": "roller", "face": "bottom", "at": 0.11}
+EDGES = {
+    "support at the end": ({"supports__0__at": 0.0079}, ["supports[0].at"]),
+    "support at the very end": ({"supports__1__at": 0.12}, ["supports[1].at"]),
+    "one body inside": ({"supports__0__at": L_F}, []),
+    "load beside the mouth of a notch": (
+        {"load": {"face": "bottom", "at": 0.053, "direction": [0, 1, 0]}},
+        ["load.at"],
+    ),
+    "load beside a saw cut": (
+        {"load": {"face": "bottom", "at": 0.051, "direction": [0, 1, 0]}, "notch__width": 0.003},
+        ["load.at"],
+    ),
+    "point near an edge": ({"load": {"face": "top", "point": [0.06, 0.06, 0.039]}}, ["load.point"]),
+    "point inside": ({"load": {"face": "top", "point": [0.06, 0.06, 0.02]}}, []),
+    "load over a notch on the other face": ({"load__at": 0.06}, []),
+    "whole face": ({"supports": [{"type": "clamp", "face": "left"}]}, []),
+    "gauge": ({"gauge__a__at": 0.059}, []),
+}
+
+
+@pytest.mark.parametrize(("changes", "keys"), EDGES.values(), ids=EDGES)
+def test_forces_at_edges_are_warned_of(small_case, changes, keys):
+    assert [notice.key for notice in report(small_case(**changes)).warnings] == keys
