@@ -253,7 +253,7 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     ("specimen.size[2]", {"specimen__size": [1, 1, "-3 mm"]}, "positive"),
     ("discretization.l_f", {"discretization__l_f": "0 mm"}, "positive"),
     ("material.f_t", {"material__f_t": -1}, "positive"),
-    ("control.target", {"control__target": "-1 mm"}, "positive"),
+    ("control.target", {"control__target": "-1 mm"}, "positive; for a gauge that gets smaller"),
     ("control.tolerance", {"control__tolerance": 0}, "above 0"),
     ("control.max_iterations", {"control__max_iterations": 0}, "1 or larger"),
     ("output.vtk", {"output__vtk": -1}, "0 or larger"),

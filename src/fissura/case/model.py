@@ -32,6 +32,7 @@ from fissura.case.types import (
     PositiveLength,
     Share,
     Size,
+    Target,
     Thickness,
     Tolerance,
     as_tuple,
@@ -158,7 +159,7 @@ class Control(Part):
     """How far and in what steps the specimen is deformed."""
 
     type: Literal["gauge", "displacement", "dissipation"] = "gauge"
-    target: PositiveLength = Field(description='a length such as "0.1 mm"')
+    target: Target = Field(description='a length such as "0.1 mm"')
     max_step: PositiveLength = Field(default_factory=derived(lambda target: target / 50, "target"))
     first_step: PositiveLength = Field(
         default_factory=derived(lambda target, step: min(target / 200, step), "target", "max_step")

@@ -34,6 +34,7 @@ __all__ = [
     "Share",
     "SignedShare",
     "Size",
+    "Target",
     "Thickness",
     "Tolerance",
     "as_tuple",
@@ -107,9 +108,12 @@ def instead(key: str, function: Callable[[Any], float]) -> Callable[[dict[str, A
 
 
 def _quantity(
-    dimension: Dimension, above: float = -math.inf, *, equal: bool = False, below: float = math.inf
+    dimension: Dimension, above: float = -math.inf, *, equal: bool = False, below: float = math.inf, hint: str = ""
 ) -> Callable[[Any], float]:
-    """Validator of a quantity in the interval (above, below], or [above, below] with ``equal``."""
+    """Validator of a quantity in the interval (above, below], or [above, below] with ``equal``.
+
+    The hint is for those who give a value on the other side.
+    """
     allowed = dimension.allowed
     if below < math.inf and equal:
         allowed += f", {above:g} to {below:g}"
@@ -129,7 +133,7 @@ def _quantity(
             fail(str(error), allowed)
         if number < above or (number == above and not equal) or number > below:
             sign = "not positive" if number == 0 else "negative" if number < 0 else "too large"
-            fail(f"{show(value)} is {sign}", allowed)
+            fail(f"{show(value)} is {sign}", allowed + hint)
         return number
 
     return validate
@@ -258,6 +262,12 @@ def as_tuple(value: Any) -> Any:
 
 Length = Annotated[float, BeforeValidator(_quantity(LENGTH))]
 PositiveLength = Annotated[float, BeforeValidator(_quantity(LENGTH, 0.0))]
+Target = Annotated[
+    float,
+    BeforeValidator(
+        _quantity(LENGTH, 0.0, hint="; for a gauge that gets smaller under the load, turn gauge.direction instead")
+    ),
+]
 Thickness = Annotated[float, BeforeValidator(_quantity(LENGTH, 0.0, equal=True))]
 PositiveStress = Annotated[float, BeforeValidator(_quantity(STRESS, 0.0))]
 PoissonRatio = Annotated[float, BeforeValidator(_poisson)]
