@@ -9,6 +9,7 @@ import logging
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +29,7 @@ from fissura.equilibrium import (
 from fissura.errors import InputError, Notice, RunStopped
 from fissura.specimen import backward_gauge
 from fissura.step import Snapshot, Step
+from fissura.stopping import FAILURES, reason, stopping
 from fissura.structure import Structure
 
 if TYPE_CHECKING:
@@ -78,6 +80,10 @@ class _Path:
     coarsenings: int = 0
     load_change: float = 0.0
 
+    def position(self) -> tuple[int, float]:
+        """Number of the next step, and the value of the controlled quantity where it begins [m]."""
+        return self.number + 1, self.now.value
+
 
 class Simulation:
     """One specimen, broken step by step.
@@ -114,6 +120,7 @@ class Simulation:
         self.bodies_full = len(self._structure.nuclei)
         self.bodies_start = len(self.tessellation)
         self.initial_stiffness = float("nan")
+        self._met: list[Notice] = []
         self.cpu_repeated = self.cpu_refining = 0.0
 
     @property
@@ -128,8 +135,8 @@ class Simulation:
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """What looks wrong in the case."""
-        return self._structure.notices
+        """What looks wrong in the case, and what a run has met so far."""
+        return (*self._structure.notices, *self._met)
 
     @property
     def elastic_scale(self) -> float:
@@ -177,23 +184,30 @@ class Simulation:
         Raises
         ------
         RunStopped
-            No equilibrium was found even with the smallest step; the steps yielded so far are valid.
+            No equilibrium was found even with the smallest step, or a calculation failed; the steps yielded so far are
+            valid.
+        InputError
+            The case is refused before its first step.
         """
         control = self.case.control
         solver = StepSolver(control.tolerance, control.max_iterations)
-        path = self._start()
+        with stopping(lambda: (1, 0.0), refusing=True):
+            path = self._start()
         follower = PathFollower(
             control, self.case.material.G_t * self._structure.box.smallest_section, self.case.quantity
         )
         while not follower.ended(path.now.value, path.load, path.peak):
             goal = follower.goal(path.now.value)
             value, dissipated = path.now.value, path.dissipated
-            attempt = self._attempt(path, solver, follower, goal)
+            with stopping(path.position):
+                attempt = self._attempt(path, solver, follower, goal)
             if attempt is not None:
                 step, last = attempt
                 follower.succeeded(goal, last, step.controlled - value, path.dissipated - dissipated, step.controlled)
                 yield step
-                self._coarsen(path)
+                if not follower.ended(path.now.value, path.load, path.peak):
+                    with stopping(path.position):
+                        self._coarsen(path)
             elif not follower.failed(unloaded=path.now.load == 0.0):
                 raise RunStopped(
                     f"no equilibrium within {control.max_iterations} iterations, even with a step of"
@@ -208,12 +222,7 @@ class Simulation:
         while True:
             system, began = path.system, time.process_time()
             counted = system.factorizations
-            try:
-                guess = self._guess(path, goal)
-            except SingularMatrixError as error:
-                raise RunStopped(
-                    f"the structure has become a mechanism: {error}", path.number + 1, path.now.value
-                ) from error
+            guess = self._guess(path, goal)
             found = solver.solve(
                 system,
                 path.now.response.history,
@@ -237,18 +246,14 @@ class Simulation:
             refinements += 1
             path.refinements += 1
             if refinements > _MOST_REFINEMENTS:
-                raise RunStopped(
-                    f"{refinements - 1} refinements did not satisfy the criterion", path.number + 1, path.now.value
-                )
+                raise RunStopped(f"{refinements - 1} refinements did not satisfy the criterion", *path.position())
             # Bodies that would be critical soon are taken along: re-tessellation costs more than a few bodies.
             soon = np.nan_to_num(criterion) > self.case.adaptivity.ahead * self.case.adaptivity.gamma
             solved = time.process_time()
             try:
                 self._refine(path, system.tessellation.x[soon], found.response.history)
             except (InputError, SingularMatrixError) as error:
-                raise RunStopped(
-                    f"the refined discretization cannot be used: {error}", path.number + 1, path.now.value
-                ) from error
+                raise RunStopped(f"the refined discretization cannot be used: {error}", *path.position()) from error
             path.factorizations += path.system.factorizations
             self.cpu_repeated += solved - began
             self.cpu_refining += time.process_time() - solved
@@ -276,8 +281,8 @@ class Simulation:
     def _aimed(self, path: _Path, energy: float) -> tuple[FloatArray, float]:
         """The state with the damage found before refinement, under the load with which it has dissipated an energy."""
         now = path.now
-        if path.aim is not None:
-            end = settle(path.system, path.aim, now.value)
+        end = None if path.aim is None else self._settled(path.system, path.aim, now.value)
+        if end is not None and end.load != 0.0:
             unit = end.response.u / end.load
             softer = float(path.system.load @ (unit - now.response.u / now.load))
             load = 2.0 * energy / (now.load * softer) if softer != 0.0 else np.inf
@@ -285,34 +290,56 @@ class Simulation:
                 return load * unit, load
         return _PAST * now.response.u, _PAST * now.load
 
+    @staticmethod
+    def _settled(system: System, history: FloatArray, value: float) -> Equilibrium | None:
+        """What `settle` finds; None where the damage leaves nothing that holds together."""
+        try:
+            return settle(system, history, value)
+        except SingularMatrixError:
+            return None
+
     def _refine(self, path: _Path, centers: FloatArray, reached: FloatArray) -> None:
         """Refine around critical centres and settle the last accepted state on the new discretization."""
         old = path.system
         self._moved(path, self._structure.refine(centers))
-        path.aim = transfer_history(old.pairs(), reached, path.system.pairs())
+        path.aim = transfer_history(old.pairs(), reached, path.system.pairs(), path.system.virgin())
         _log.info("refined to %d bodies at %.4g m", len(self.tessellation), path.now.value)
 
     def _coarsen(self, path: _Path) -> None:
         """Give up what is fine and not needed any more, where that pays, and settle the last accepted state there."""
-        system = self._structure.coarsen(path.now.response)
-        if system is not None:
-            self._moved(path, system)
+        try:
+            changed = self._structure.coarsen(path.now.response, partial(self._moved, path))
+        except FAILURES as error:
+            # The fine structure is as it was, and as good: the run goes on with it.
+            self._structure.keep_fine()
+            notice = Notice(
+                "adaptivity.coarsen",
+                f"what had unloaded could not be made coarse again after step {path.number} ({reason(error)}); the run"
+                " goes on without",
+                "nothing, if it ends in time; coarsen = false does not try",
+            )
+            self._met.append(notice)
+            _log.warning(notice)
+            return
+        if changed:
             path.coarsenings += 1
             _log.info("coarsened to %d bodies at %.4g m", len(self.tessellation), path.now.value)
 
     def _moved(self, path: _Path, system: System) -> None:
-        """Settle the last accepted state on another discretization.
+        """Settle the last accepted state on another discretization; where that fails, nothing has changed.
 
         The load and the energy stored jump a little. The jump of energy is kept apart, so that the balance of the rest
         can be told.
         """
         old, before = path.system, path.now
-        history = transfer_history(old.pairs(), before.response.history, system.pairs())
-        path.system, path.before = system, None
+        history = transfer_history(old.pairs(), before.response.history, system.pairs(), system.virgin())
         if before.value == 0.0:
-            path.now = Equilibrium(system.response(np.zeros(system.size), history), 0.0, 0.0)
+            now = Equilibrium(system.response(np.zeros(system.size), history), 0.0, 0.0)
+        else:
+            now = settle(system, history, before.value)
+        path.system, path.before, path.now = system, None, now
+        if before.value == 0.0:
             return
-        path.now = settle(system, history, before.value)
         path.exchanged += system.stored(path.now.response) - old.stored(before.response)
         path.load_change += abs(path.now.load - before.load)
         path.load, path.displacement = path.now.load, float(system.load @ path.now.response.u)
@@ -375,7 +402,7 @@ class Simulation:
     def _snapshot(self, system: System, found: Equilibrium, criterion: FloatArray, stress: FloatArray) -> Snapshot:
         contacts = system.tessellation.contacts
         damage = np.zeros(len(contacts))
-        damage[system.active] = found.response.history[:, 0]
+        damage[system.active] = system.law.damage(found.response.history)
         return Snapshot(
             tessellation=system.tessellation,
             displacement=found.response.u.reshape(-1, 6),

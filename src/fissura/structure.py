@@ -39,6 +39,8 @@ from fissura.specimen import (
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from fissura.case import Case
 
 __all__ = ["Structure"]
@@ -96,7 +98,7 @@ class Structure:
         self._team = Team(case.solver.threads)
         self.nuclei = nuclei_from_case(case, self.box)
         self._region = region_from_case(case, self.box, full=full)
-        self._coarsening = Coarsening(self.nuclei.x)
+        self._coarsening, self._stays_fine = Coarsening(self.nuclei.x), False
         if self._elastic.contains(self.nuclei.x).all():  # facets between nuclei may lie outside all the same
             check_not_everywhere(self._elastic, self._whole().contacts.centroid)
         self.compliance: float | None = None
@@ -179,38 +181,54 @@ class Structure:
         InputError, SingularMatrixError
             The refined discretization cannot be used.
         """
-        self._coarsening = self._coarsening.refined(centers)
-        return self._change(self._region.grown(centers))
+        self._coarsening, self._region = self._coarsening.refined(centers), self._region.grown(centers)
+        self.system = self._changed(self._region)
+        return self.system
 
-    def coarsen(self, response: Response) -> System | None:
-        """Give up what is fine and not needed any more after an accepted step; None where nothing changes.
+    def coarsen(self, response: Response, settle: Callable[[System], None]) -> bool:
+        """Give up what is fine and not needed any more after an accepted step.
 
         Parameters
         ----------
         response : Response
             The accepted state.
+        settle : callable
+            Takes the new equations for the state.
+
+        Returns
+        -------
+        bool
+            Whether anything changed.
+
+        Raises
+        ------
+        InputError, SingularMatrixError
+            The coarser discretization cannot be used; then, and after an error of `settle`, nothing has changed.
         """
-        if self._full or not self._case.adaptivity.coarsen:
-            return None
+        if self._full or not self._case.adaptivity.coarsen or self._stays_fine:
+            return False
         self._coarsening = self._coarsening.stepped()
         system, before = self.system, self._region
-        strain = response.strain[system.active]
         needed = needed_bodies(
             system.tessellation,
             system.active,
-            strain,
+            system.law,
+            response.strain[system.active],
             response.history,
-            system.law.utilisation(strain),
-            self._material.alpha,
             self._case.adaptivity.gamma_coarse,
         )
         region = self._coarsening.smaller(before, system.tessellation, needed)
         if region is None:
-            return None
-        self._coarsening = self._coarsening.coarsened(before)
-        return self._change(region)
+            return False
+        changed = self._changed(region)
+        settle(changed)
+        self._coarsening, self._region, self.system = self._coarsening.coarsened(before), region, changed
+        return True
 
-    def _change(self, region: RefinedRegion) -> System:
-        self._region = region
-        self.system = self._calibrated(self._equations(self._discretized(region, self.system.tessellation)))
-        return self.system
+    def keep_fine(self) -> None:
+        """Never coarsen again."""
+        self._stays_fine = True
+
+    def _changed(self, region: RefinedRegion) -> System:
+        """Equations for another region."""
+        return self._calibrated(self._equations(self._discretized(region, self.system.tessellation)))

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from equilibrium.models import CONCRETE
 from fissura.adaptivity import Coarsening, RefinedRegion, needed_bodies
+from fissura.contact import CusatisCedolin
 from fissura.simulation import Simulation
 from fissura.specimen import specimen_from_case
 from fissura.tessellation import discretize, nuclei_from_case
-
-ALPHA = 0.29
 
 
 @pytest.fixture(scope="module")
@@ -38,16 +38,18 @@ def fine(small_case):
         ([0, 0.6, 0.79], 0.0, 0.0, 1.0, 0.1, True),
     ],
 )
-def test_needed_bodies(fine, strain, damage, largest_n, largest_t, used, needed):
+def test_needed_bodies(fine, strain, damage, largest_n, largest_t, used, needed, monkeypatch):
     """One contact differs from all others, which have unloaded: its two bodies are needed or not."""
     tessellation, _, _ = fine
     active = np.arange(len(tessellation.contacts))
     strains = np.tile([0.0, 0.0, 0.0], (len(active), 1))
     history = np.tile([0.0, 1e-9, 0.0], (len(active), 1))
     strains[7], history[7] = strain, [damage, largest_n, largest_t]
+    law = CusatisCedolin.create(CONCRETE, tessellation.contacts.length)
     utilisation = np.zeros(len(active))
     utilisation[7] = used
-    found = needed_bodies(tessellation, active, strains, history, utilisation, ALPHA, 0.6)
+    monkeypatch.setattr(CusatisCedolin, "utilisation", lambda self, strain: utilisation)
+    found = needed_bodies(tessellation, active, law, strains, history, 0.6)
     expected = np.zeros(len(tessellation), bool)
     expected[tessellation.contacts.bodies[7]] = needed
     assert_array_equal(found, expected)

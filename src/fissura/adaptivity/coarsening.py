@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.adaptivity.region import RefinedRegion
+from fissura.contact import ContactLaw
 from fissura.tessellation import Tessellation
 
 __all__ = ["Coarsening", "needed_bodies"]
@@ -38,10 +39,9 @@ _UNLOADED = 0.75
 def needed_bodies(
     tessellation: Tessellation,
     active: IntArray,
+    law: ContactLaw,
     strain: FloatArray,
     history: FloatArray,
-    utilisation: FloatArray,
-    alpha: float,
     threshold: float,
 ) -> BoolArray:
     """Bodies that must stay fine: with a damaged or highly stressed contact, or not unloaded yet.
@@ -52,12 +52,10 @@ def needed_bodies(
         The discretization.
     active : (k,) int array
         Contacts with the damage law.
-    strain, history : (k, 3) arrays
-        Of these: ``e_N, e_M, e_L``, and damage, largest ``e_N``, largest ``e_T``.
-    utilisation : (k,) array
-        Effective traction over strength.
-    alpha : float
-        Tangential over normal stiffness.
+    law : ContactLaw
+        Their law.
+    strain, history : (k, 3), (k, h) arrays
+        Their strains ``e_N, e_M, e_L`` and accepted history.
     threshold : float
         Utilisation from which a contact counts as highly stressed.
 
@@ -69,12 +67,9 @@ def needed_bodies(
     contacts, n = tessellation.contacts, len(tessellation)
     ends = contacts.bodies[active]
     weight = contacts.area[active] * contacts.length[active]
-    # Compression leaves no trace in the history.
-    now = np.maximum(strain[:, 0], 0.0) ** 2 + alpha * (strain[:, 1] ** 2 + strain[:, 2] ** 2)
-    largest = history[:, 1] ** 2 + alpha * history[:, 2] ** 2
-    of_bodies = [np.bincount(ends.ravel(), np.repeat(weight * value, 2), n) for value in (now, largest)]
+    of_bodies = [np.bincount(ends.ravel(), np.repeat(weight * value, 2), n) for value in law.loading(strain, history)]
     needed = tessellation.fine & (of_bodies[0] >= _UNLOADED * of_bodies[1])
-    needed[ends[(history[:, 0] > 0.0) | (utilisation > threshold)]] = True
+    needed[ends[(law.damage(history) > 0.0) | (law.utilisation(strain) > threshold)]] = True
     return np.asarray(needed, dtype=np.bool_)
 
 

@@ -12,8 +12,9 @@ def transfer_history(
     old_pairs: NDArray[np.int64],
     old: NDArray[np.float64],
     new_pairs: NDArray[np.int64],
+    virgin: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """History on a new discretization: kept where both nuclei stay, zero for new contacts.
+    """History on a new discretization: kept where both nuclei stay, that of virgin contacts for new ones.
 
     Parameters
     ----------
@@ -21,12 +22,14 @@ def transfer_history(
         Identities of the nuclei of contacts with damage.
     old : (k, h) array
         History.
+    virgin : (q, h) array
+        History of the new contacts if all of them were virgin.
 
     Returns
     -------
     (q, h) array
     """
-    new = np.zeros((len(new_pairs), old.shape[1]))
+    new = virgin.copy()
     if not len(old_pairs) or not len(new_pairs):
         return new
     base = 1 + max(int(old_pairs.max()), int(new_pairs.max()))

@@ -13,6 +13,7 @@ from fissura.contact.kinematics import (
     nodal_forces,
 )
 from fissura.contact.law import CusatisCedolin
+from fissura.contact.protocol import ContactLaw
 from fissura.contact.stress import body_stress
 from fissura.errors import InputError
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "LAWS",
+    "ContactLaw",
     "CusatisCedolin",
     "Kinematics",
     "add_stiffness",
@@ -33,10 +35,10 @@ __all__ = [
 ]
 
 #: Contact laws by the name that a case file gives.
-LAWS: dict[str, type[CusatisCedolin]] = {"cusatis-cedolin": CusatisCedolin}
+LAWS: dict[str, type[ContactLaw]] = {"cusatis-cedolin": CusatisCedolin}
 
 
-def law_from_case(case: Case) -> type[CusatisCedolin]:
+def law_from_case(case: Case) -> type[ContactLaw]:
     """The contact law that a case names.
 
     Raises

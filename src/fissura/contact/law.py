@@ -305,6 +305,26 @@ class CusatisCedolin:
         """History of a virgin contact: damage, largest ``e_N``, largest ``e_T``; shape (m, 3)."""
         return np.zeros((len(self.length), 3))
 
+    def damage(self, history: FloatArray) -> FloatArray:
+        """Damage; (m, 3) -> (m,)."""
+        return history[:, 0]
+
+    def loading(self, strain: FloatArray, history: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Squares of the effective strain now and at most, ``e_N^2 + alpha e_T^2``; of compression nothing is kept.
+
+        Parameters
+        ----------
+        strain, history : (m, 3) arrays
+            Strains, and the accepted history that belongs to them.
+
+        Returns
+        -------
+        now, largest : (m,) arrays
+        """
+        alpha = self.material.alpha
+        now = np.maximum(strain[:, 0], 0.0) ** 2 + alpha * (strain[:, 1] ** 2 + strain[:, 2] ** 2)
+        return now, history[:, 1] ** 2 + alpha * history[:, 2] ** 2
+
     def _parameters(self) -> tuple[float, ...]:
         m = self.material
         return (m.E, m.alpha, m.f_t, m.f_s, m.f_c, m.K_c, m.mu, m.beta, m.n_c, self.omega0)

@@ -84,7 +84,8 @@ def holding(system: System, before: Response, after: Response) -> Constraint | N
     the branch on which the others unload; their opening is a gauge for it, as a crack mouth opening would be (weighted
     by growth, after Geers 1999).
     """
-    growth = np.maximum(after.history[:, 0] - before.history[:, 0], 0.0)
+    damage = system.law.damage
+    growth = np.maximum(damage(after.history) - damage(before.history), 0.0)
     traction = np.zeros_like(after.traction)
     traction[system.active] = growth[:, None] * after.traction[system.active]
     vector = system.internal(traction, np.zeros(system.size))

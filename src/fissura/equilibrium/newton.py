@@ -126,9 +126,8 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
         raise UnmovedGaugeError("the load does not move the controlled quantity")
     u = unit * (value / reach)
     strain_only = system.response(u, history)
-    intact = 1.0 - history[:, :1]
     traction = strain_only.strain * system.moduli
-    traction[system.active] *= intact
+    traction[system.active] *= system.intact(history)[:, None]
     response = Response(u, strain_only.strain, traction, history, system.internal(traction, u))
     return Equilibrium(response, value / reach, value, iterations=1)
 

@@ -57,7 +57,7 @@ class PreparedSecant:
 
     def is_for(self, history: FloatArray) -> bool:
         """Whether it is prepared for the damage of a history: to prepare again would change nothing."""
-        return self.ready and np.array_equal(1.0 - history[:, 0], self.intact)
+        return self.ready and np.array_equal(self._system.intact(history), self.intact)
 
     def solve(self, history: FloatArray) -> FloatArray:
         """Displacements under the unit load with given damage, (6 n,).
@@ -97,7 +97,7 @@ class PreparedSecant:
         self._system.factor_secant(history)
         self._matrix = self._solver.matrices
         self.count += 1
-        self.intact, self._exact = 1.0 - history[:, 0], False
+        self.intact, self._exact = self._system.intact(history), False
 
     def apply(self, right: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Approximate displacements for given forces, and the forces that these need exactly; (6 n,) -> (6 n,) each."""

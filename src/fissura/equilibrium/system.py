@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from fissura.contact import (
-    CusatisCedolin,
+    ContactLaw,
     Kinematics,
     body_stress,
     contact_strains,
@@ -120,7 +120,7 @@ class System:
         self,
         tessellation: Tessellation,
         material: Material,
-        law: type[CusatisCedolin],
+        law: type[ContactLaw],
         conditions: Conditions,
         linear: str = "auto",
         elastic: Regions = _NOWHERE,
@@ -138,10 +138,10 @@ class System:
         self._guarded: IntArray = np.flatnonzero(~contacts.fine & may_crack)
         self.field = field
         scale, ductility = (None, None) if field is None else field.factors(contacts.centroid[self.active])
-        self.law = law.create(material, contacts.length[self.active], scale, ductility)
+        self.law: ContactLaw = law.create(material, contacts.length[self.active], scale, ductility)
         # Coarse contacts have no softening and hence no limit on their length: only their strength is asked for.
         scale = None if field is None else field.strength(contacts.centroid[self._guarded])
-        self.elastic_law = law.create(material, np.full(len(self._guarded), contacts.length.min()), scale)
+        self.elastic_law: ContactLaw = law.create(material, np.full(len(self._guarded), contacts.length.min()), scale)
         self.elastic_scale = 1.0
         self.moduli = self._moduli(1.0)
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
@@ -266,10 +266,14 @@ class System:
         """Internal forces without any damage, for displacements u; (6 n,) -> (6 n,)."""
         return self.internal(contact_strains(self.geometry, u.reshape(-1, 6)) * self.moduli, u)
 
+    def intact(self, history: FloatArray) -> FloatArray:
+        """Share ``1 - D`` of their stiffness that contacts with damage have left; shape (k,)."""
+        return 1.0 - self.law.damage(history)
+
     def secant_moduli(self, history: FloatArray) -> FloatArray:
         """Secant stiffness ``(1 - D) (E, alpha E, alpha E)`` of every contact [Pa], shape (m, 3)."""
         moduli = self.moduli.copy()
-        moduli[self.active] *= 1.0 - history[:, :1]
+        moduli[self.active] *= self.intact(history)[:, None]
         return moduli
 
     def secant_stiffness(self, history: FloatArray) -> FloatArray:
