@@ -29,6 +29,8 @@ class CheckReport:
         Contact law and refinement criterion.
     bodies_start, bodies_full : int
         Bodies of the first discretization and of the whole specimen at full resolution.
+    nuclei_given : int
+        Nuclei of full resolution that a file gave.
     contacts, fine_contacts : int
         Contacts of the first discretization, and those of them with the damage law.
     memory_start, memory_full : float
@@ -81,6 +83,7 @@ class CheckReport:
     warnings: tuple[Notice, ...] = field(default=())
     contact: tuple[float, float] = (math.nan, math.nan)
     macro: tuple[float, float] | None = None
+    nuclei_given: int = 0
     field_rows: tuple[tuple[str, str], ...] = field(default=())
 
     @property
@@ -105,6 +108,12 @@ class CheckReport:
             return f"{largest}, with energy in the lead {energy(self.max_energy)}"
         return f"{self.fewest_steps} or more, {largest}"
 
+    @property
+    def _nuclei(self) -> list[tuple[str, str]]:
+        if not self.nuclei_given:
+            return []
+        return [("nuclei from the file", f"{self.nuclei_given}, and {self.bodies_full - self.nuclei_given} added")]
+
     def table(self) -> list[tuple[str, str]]:
         """Rows of name and value."""
         return [
@@ -114,6 +123,7 @@ class CheckReport:
             ("elastic, bulk", f"E {self.macro[0] / 1e9:.4g} GPa, nu {self.macro[1]:.3f}" if self.macro else "-"),
             ("bodies at start", f"{self.bodies_start}"),
             ("bodies at full resolution", f"{self.bodies_full}"),
+            *self._nuclei,
             ("contacts at start", f"{self.contacts}, {self.fine_contacts} with damage"),
             ("memory at start", f"about {gigabytes(self.memory_start)}, grows with refinement"),
             (
@@ -188,6 +198,7 @@ def report(case: Case) -> CheckReport:
         criterion=case.adaptivity.criterion,
         bodies_start=simulation.bodies_start,
         bodies_full=simulation.bodies_full,
+        nuclei_given=simulation.nuclei_given,
         contacts=len(contacts),
         fine_contacts=len(lengths),
         memory_start=estimate_memory(simulation.bodies_start),

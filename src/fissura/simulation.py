@@ -106,6 +106,8 @@ class Simulation:
         As given.
     bodies_full, bodies_start : int
         Bodies at full resolution, and at the start of this run.
+    nuclei_given : int
+        Nuclei that a file gave; full resolution has these, and those added to them.
     initial_stiffness : float
         Load over controlled quantity of the elastic structure at the start [N/m]; nan before the first step.
     cpu_repeated, cpu_refining : float
@@ -118,6 +120,7 @@ class Simulation:
         self.case, self.full = case, full
         self._structure = Structure(case, full=full)
         self.bodies_full = len(self._structure.nuclei)
+        self.nuclei_given = self._structure.nuclei.given
         self.bodies_start = len(self.tessellation)
         self.initial_stiffness = float("nan")
         self._met: list[Notice] = []

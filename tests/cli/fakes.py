@@ -45,7 +45,7 @@ class FakeSimulation:
     def __init__(self, case: Case, *, full: bool = False) -> None:
         self.case, self.full = case, full
         self.notices = ()
-        self.bodies_start, self.bodies_full = 100, 300
+        self.bodies_start, self.bodies_full, self.nuclei_given = 100, 300, 0
         self.field = None
         lengths = np.array([0.004, 0.009, 0.012])
         self.tessellation = SimpleNamespace(contacts=FakeContacts(lengths, lengths < 0.01))

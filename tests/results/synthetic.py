@@ -174,6 +174,7 @@ def simulation(control=None, **output):
         notices=(),
         bodies_start=2,
         bodies_full=40,
+        nuclei_given=0,
         initial_stiffness=1.5e8,
         elastic_scale=0.9,
         cpu_repeated=0.1,

@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from fissura.check import report
 from fissura.errors import InputError
+from fissura.results.curve import columns
+from fissura.results.summary import build_summary
+from fissura.simulation import Simulation
 from fissura.specimen import specimen_from_case
 from fissura.tessellation import nuclei_from_case
 from fissura.tessellation.nuclei import read_nuclei
@@ -180,3 +184,98 @@ def test_nuclei_do_not_depend_on_what_is_done_with_them(small_case):
     other = small_case(adaptivity={"gamma": 0.5, "r_f": 0.03}, control__target=2e-4, load__at=0.05)
     box = specimen_from_case(plain)
     assert_array_equal(nuclei_from_case(plain, box).x, nuclei_from_case(other, specimen_from_case(other)).x)
+
+
+# All nuclei of a file are used, or it is refused
+
+
+def placed(case):
+    return nuclei_from_case(case, specimen_from_case(case))
+
+
+def saved(tmp_path, small_case, x, **changes):
+    np.save(tmp_path / "x.npy", np.asarray(x))
+    return small_case(tmp_path, discretization__nuclei="x.npy", **changes)
+
+
+def grid(step, size=(0.12, 0.06, 0.04), jitter=0.0):
+    """A regular grid, every point moved by up to a share of its step."""
+    axes = [step * (0.5 + np.arange(int(length / step + 1e-9))) for length in size]
+    x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return x + jitter * step * np.random.default_rng(0).uniform(-0.5, 0.5, x.shape)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.0 / 3.0, 7.0])
+def test_a_regular_grid_is_used_as_it_is(tmp_path, small_case, scale):
+    """Its step is l_f but for round-off."""
+    size = [scale * length for length in (0.12, 0.06, 0.04)]
+    x = grid(scale * 0.01, size)
+    assert len(x) == 288
+    changes = {"specimen__size": size, "notch": None, "discretization__l_f": scale * 0.01, "discretization__l_c": scale}
+    nuclei = placed(saved(tmp_path, small_case, x, **changes))
+    assert_array_equal(nuclei.x[:288], x)
+    assert nuclei.given == 288
+
+
+def test_a_jittered_grid_is_refused(tmp_path, small_case):
+    case = saved(tmp_path, small_case, grid(0.01, jitter=0.4), notch=None, discretization__l_f=0.01)
+    with pytest.raises(
+        InputError, match=r"\d+ of 288 nuclei cannot be used; nucleus \d+ at .* less than l_f"
+    ) as caught:
+        placed(case)
+    assert caught.value.key == KEY
+    case = saved(tmp_path, small_case, grid(0.01, jitter=0.4), notch=None, discretization__l_f=0.006)
+    assert placed(case).given == 288
+
+
+@pytest.mark.parametrize(
+    ("x", "notch", "problem"),
+    [
+        (
+            [[0.01, 0.02, 0.02], [0.0179, 0.02, 0.02]],
+            {},
+            "1 of 2 .* nucleus 2 .* is 7.9 mm from nucleus 1, less than l_f",
+        ),
+        ([[0.01, 0.02, 0.02], [0.01, 0.02, 0.02]], {}, "1 of 2 .* nucleus 2 .* is 0 mm from nucleus 1"),
+        ([[0.061, 0.035, 0.02]], {"width": 0.004}, "1 of 1 .* closer to the plane of a notch"),
+        ([[0.067, 0.02, 0.02], [0.054, 0.024, 0.02]], {}, "1 of 2 .* nucleus 2 .* mirror image"),
+        ([[0.061, 0.01, 0.02]], {"width": 0.004}, "nucleus 1 at .* is not inside the specimen"),
+    ],
+)
+def test_nuclei_that_cannot_be_used(tmp_path, small_case, x, notch, problem):
+    changes = {f"notch__{key}": value for key, value in notch.items()}
+    with pytest.raises(InputError, match=problem) as caught:
+        placed(saved(tmp_path, small_case, x, **changes))
+    assert caught.value.key == KEY
+
+
+def test_nuclei_beside_a_notch_get_twins(tmp_path, small_case):
+    """A twin that the file gives itself is used, too, wherever it stands."""
+    x = [[0.067, 0.02, 0.02], [0.02, 0.03, 0.02], [0.053, 0.02, 0.02]]
+    nuclei = placed(saved(tmp_path, small_case, x))
+    assert nuclei.given == 3
+    assert_allclose(nuclei.x[[0, 2, 1]], x, rtol=1e-12)
+
+
+@pytest.mark.parametrize("notch", [{}, {"width": 0.004}, None])
+def test_nuclei_of_another_run_are_all_used(tmp_path, small_case, notch):
+    changes = {"notch": None} if notch is None else {f"notch__{key}": value for key, value in notch.items()}
+    first = placed(small_case(seed=3, **changes))
+    again = placed(saved(tmp_path, small_case, first.x, **changes))
+    assert (again.given, len(again)) == (len(first), len(first))
+    order = np.lexsort(first.x.T), np.lexsort(again.x.T)
+    assert_allclose(again.x[order[1]], first.x[order[0]], atol=1e-15)
+
+
+def test_counts_in_check_and_summary(tmp_path, small_case):
+    first = placed(small_case(notch=None)).x
+    case = saved(tmp_path, small_case, first[::2], notch=None, control__target=1e-5)
+    found = report(case)
+    assert found.nuclei_given == len(first[::2])
+    rows = dict(found.table())
+    assert rows["nuclei from the file"] == f"{len(first[::2])}, and {found.bodies_full - len(first[::2])} added"
+    simulation = Simulation(case)
+    summary = build_summary(simulation, columns([]), status="finished", message="", cpu_s=1.0, wall_s=1.0)
+    assert summary["nuclei_given"] == len(first[::2])
+    assert summary["nuclei_given"] + summary["nuclei_added"] == summary["bodies_full"] == simulation.bodies_full
+    assert "nuclei from the file" not in dict(report(small_case(notch=None)).table())

@@ -101,6 +101,8 @@ def build_summary(
         "bodies_start": simulation.bodies_start,
         "bodies_end": _last(curve, "bodies"),
         "bodies_full": simulation.bodies_full,
+        "nuclei_given": simulation.nuclei_given,
+        "nuclei_added": simulation.bodies_full - simulation.nuclei_given,
         "steps": steps,
         "steps_led_by_energy": (curve["control"] == "dissipation").sum(),
         "refinements": curve["refinements"].sum(),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import io
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from fissura.case.files import check_file, read_text
 from fissura.errors import InputError
@@ -21,6 +22,11 @@ if TYPE_CHECKING:
     from fissura.specimen import Box
 
 __all__ = ["Nuclei", "nuclei_from_case", "read_nuclei"]
+
+_KEY = "discretization.nuclei"
+
+#: Distance in spacings within which two nuclei are the same but for round-off.
+_SAME = 1e-6
 
 #: Largest files that are read.
 _MOST_BYTES, _MOST_BYTES_OF_TEXT = 2_000_000_000, 100_000_000
@@ -42,6 +48,8 @@ class Nuclei:
         Smallest distance ``l_f`` [m].
     widest : (n,) array
         Largest spacing at each nucleus with which notches can be represented [m], infinite far from them.
+    given : int
+        How many of them a file gave; the others were added.
     """
 
     x: NDArray[np.float64]
@@ -49,6 +57,7 @@ class Nuclei:
     twin: NDArray[np.int64]
     spacing: float
     widest: NDArray[np.float64]
+    given: int = 0
 
     def __len__(self) -> int:
         return len(self.x)
@@ -78,7 +87,7 @@ def read_nuclei(path: Path) -> NDArray[np.float64]:
     InputError
         Missing or unreadable file, wrong shape, values that are not finite.
     """
-    key, allowed = "discretization.nuclei", "x y z on each line, in m, or .npy of shape (n, 3)"
+    key, allowed = _KEY, "x y z on each line, in m, or .npy of shape (n, 3)"
     x: NDArray[Any]
     try:
         with warnings.catch_warnings(action="ignore"):  # numpy warns of empty files; the shape tells as much
@@ -101,8 +110,8 @@ def read_nuclei(path: Path) -> NDArray[np.float64]:
 def nuclei_from_case(case: Case, box: Box) -> Nuclei:
     """Place the fine nuclei of a case's specimen, beginning with those of its nuclei file if there is one.
 
-    Nuclei from a file stay where they are except beside a notch, where those too close to its plane are left out
-    and the others get mirrored twins; gaps are filled up to saturation.
+    Nuclei from a file stay where they are, and all of them are used; beside a notch they get mirrored twins. Gaps are
+    filled up to saturation.
 
     Raises
     ------
@@ -110,17 +119,53 @@ def nuclei_from_case(case: Case, box: Box) -> Nuclei:
         A nuclei file that cannot be used, or notches too close to each other.
     """
     part = case.discretization
-    given = None
-    if part.nuclei is not None:
-        given = read_nuclei(part.nuclei)
-        margin = 1e-9 * max(box.size)  # round-off must not decide on which side of a face a nucleus lies
-        outside = np.any((given <= margin) | (given >= np.asarray(box.size) - margin), axis=1)
-        if outside.any():
-            row = int(np.argmax(outside))
-            raise InputError(
-                "discretization.nuclei",
-                f"nucleus {row + 1} at {tuple(given[row].tolist())} m is not inside the specimen",
-                f"coordinates between 0 and {box.size} m",
-            )
     rng = np.random.default_rng(np.random.SeedSequence(case.seed))
-    return Nuclei.placed(box, part.l_f, mirror_zones(box, part.l_f), rng, given)
+    zones = mirror_zones(box, part.l_f)
+    if part.nuclei is None:
+        return Nuclei.placed(box, part.l_f, zones, rng)
+    given = read_nuclei(part.nuclei)
+    margin = 1e-9 * max(box.size)  # round-off must not decide on which side of a face a nucleus lies
+    outside = np.any((given <= margin) | (given >= np.asarray(box.size) - margin), axis=1) | ~box.contains(given)
+    if outside.any():
+        row = int(np.argmax(outside))
+        raise InputError(
+            _KEY,
+            f"nucleus {row + 1} at {tuple(given[row].tolist())} m is not inside the specimen",
+            f"coordinates between 0 and {box.size} m, outside of notches",
+        )
+    nuclei = replace(Nuclei.placed(box, part.l_f, zones, rng, given), given=len(given))
+    _check_used(given, nuclei)
+    return nuclei
+
+
+def _check_used(given: NDArray[np.float64], nuclei: Nuclei) -> None:
+    """Every given nucleus must be one of the specimen's.
+
+    Raises
+    ------
+    InputError
+        Some are not: they are closer than the spacing to others, or do not go with a notch.
+    """
+    distance, place = cKDTree(nuclei.x).query(given)
+    used = np.zeros(len(given), bool)
+    used[np.unique(place, return_index=True)[1]] = True  # of two at one place the first
+    unused = np.flatnonzero(~used | (distance > _SAME * nuclei.spacing))
+    if not len(unused):
+        return
+    row = int(unused[0])
+    # It is one of the two nearest itself; a single nucleus has no other.
+    gaps, others = (np.ravel(found) for found in cKDTree(given).query(given[row], k=2))
+    near = next((k for k in range(2) if others[k] != row and gaps[k] < nuclei.spacing), None)
+    if near is None:
+        reason = (
+            "is closer to the plane of a notch than l_f/2, or to the mirror image of another nucleus in it than l_f"
+        )
+    else:
+        l_f = 1e3 * nuclei.spacing
+        reason = f"is {1e3 * gaps[near]:.4g} mm from nucleus {others[near] + 1}, less than l_f = {l_f:.4g} mm"
+    raise InputError(
+        _KEY,
+        f"{len(unused)} of {len(given)} nuclei cannot be used; nucleus {row + 1} at {tuple(given[row].tolist())} m"
+        f" {reason}",
+        "nuclei at least l_f apart, beside a notch mirror images of each other; leave others out, gaps are filled",
+    )

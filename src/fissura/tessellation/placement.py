@@ -20,6 +20,10 @@ __all__ = ["expected_count", "place"]
 FloatArray = NDArray[np.float64]
 
 _MAX_LEVEL = 24
+
+#: Share of a squared spacing by which given nuclei may be closer to each other.
+_REGULAR = 1e-9
+
 _TRIALS_PER_VOXEL = 2.0
 
 
@@ -51,6 +55,7 @@ def _place(  # type: ignore[no-untyped-def]
     twin = np.full(capacity, -1, np.int64)
     n = 0
     l2 = spacing * spacing
+    l2_given = l2 * (1.0 - _REGULAR)  # a regular grid is not thinned out by round-off
     side = cell
     active = np.empty((shape[0] * shape[1] * shape[2], 3), np.int64)
     count = 0
@@ -90,15 +95,16 @@ def _place(  # type: ignore[no-untyped-def]
             if in_void:
                 continue
             z = _zone_at(p, zl, zu)
-            if z >= 0 and abs(p[za[z]] - zp[z]) < zc:
+            if z >= 0 and abs(p[za[z]] - zp[z]) < (zc * (1.0 - _REGULAR) if v < 0 else zc):
                 continue
-            if not free(p, x, grid, steps, shape, cell, l2):
+            away2 = l2_given if v < 0 else l2
+            if not free(p, x, grid, steps, shape, cell, away2):
                 continue
             if z >= 0:
                 for a in range(3):
                     t[a] = p[a]
                 t[za[z]] = 2.0 * zp[z] - p[za[z]]
-                if not free(t, x, grid, steps, shape, cell, l2):
+                if not free(t, x, grid, steps, shape, cell, away2):
                     continue
             if n + 2 > capacity:
                 capacity *= 2
@@ -171,7 +177,7 @@ def place(
     voids = [notch.bounds for notch in box.notches if notch.width > 0.0]
     size = np.asarray(box.size, float)
     # Nuclei are at least one spacing apart, so a grid cell with that diagonal holds one at most.
-    cell = spacing / np.sqrt(3.0) * (1.0 - 1e-12)
+    cell = spacing / np.sqrt(3.0) * (1.0 - (1e-12 if given is None else _REGULAR))
     x, twin, _ = _place(
         size,
         spacing,
