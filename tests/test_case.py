@@ -253,10 +253,10 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     ("specimen.size[2]", {"specimen__size": [1, 1, "-3 mm"]}, "positive"),
     ("discretization.l_f", {"discretization__l_f": "0 mm"}, "positive"),
     ("material.f_t", {"material__f_t": -1}, "positive"),
-    ("control.target", {"control__target": "-1 mm"}, "positive; for a gauge that gets smaller"),
+    ("control.target", {"control__target": "-1 mm"}, "positive, 1 nm to 10 km; for a gauge that gets smaller"),
     ("control.tolerance", {"control__tolerance": 0}, "above 0"),
-    ("control.max_iterations", {"control__max_iterations": 0}, "1 or larger"),
-    ("output.vtk", {"output__vtk": -1}, "0 or larger"),
+    ("control.max_iterations", {"control__max_iterations": 0}, "1 to 10000"),
+    ("output.vtk", {"output__vtk": -1}, "0 to 10000"),
     ("seed", {"seed": -1}, "0 or larger"),
     ("seed", {"seed": 2**70}, "0 or larger"),
     # ranges
@@ -274,7 +274,7 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     ("load.direction", {"load__direction": [0, math.nan, 0]}, "three numbers"),
     ("adaptivity.regions[0].upper", {"adaptivity__regions": [FLAT_BOX]}, "above that of lower"),
     ("material.elastic[0].upper", {"material__elastic": [FLAT_BOX]}, "above that of lower"),
-    ("material.f_s", {"material__f_t": 1e308}, "a stress"),
+    ("material.f_t", {"material__f_t": 1e308}, "a stress"),
     # kinds
     ("seed", {"seed": True}, "whole number"),
     ("seed", {"seed": 1.5}, "whole number"),

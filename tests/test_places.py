@@ -59,9 +59,9 @@ WRONG = {
         "load",
         "bodies that the supports hold",
     ),
-    "E without its unit": ({"material__E": 60}, "material.E", "60 Pa is very soft"),
-    "E of the concrete without its unit": (
-        {"material": {"macro": {"E": 38, "nu": 0.18}, "f_t": 2.2e6, "G_t": 35.0}},
+    "E in MPa without its unit": ({"material__E": 6e4}, "material.E", "60 kPa is very soft"),
+    "E of the concrete in MPa without its unit": (
+        {"material": {"macro": {"E": 38e3, "nu": 0.18}, "f_t": 2.2e6, "G_t": 35.0}},
         "material.macro.E",
         "very soft",
     ),

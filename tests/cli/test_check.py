@@ -41,7 +41,7 @@ def test_estimates() -> None:
         (0.001, True, True),
         (0.0004, False, True),  # 8 GB to place
         (1e-5, False, True),
-        (1e-300, False, True),
+        (1e-9, False, True),
     ],
 )
 def test_memory_is_required(monkeypatch: pytest.MonkeyPatch, l_f: float, full: bool, refused: bool) -> None:

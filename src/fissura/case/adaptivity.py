@@ -9,8 +9,9 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from fissura.case.part import Part
+from fissura.case.ranges import LONGEST
 from fissura.case.region import Region
-from fissura.case.types import Flag, Fraction, PositiveLength, as_tuple, fail
+from fissura.case.types import Flag, Fraction, PositiveLength, as_tuple, at_most, fail
 
 __all__ = ["LEVELS", "Adaptivity", "Level"]
 
@@ -62,7 +63,7 @@ class Adaptivity(Part):
     r_w: PositiveLength = Field(default=math.nan, validate_default=False)
     notch_tips: Flag = True
     calibrate: Flag = True
-    regions: Annotated[tuple[Region, ...], BeforeValidator(as_tuple)] = ()
+    regions: Annotated[tuple[Region, ...], BeforeValidator(as_tuple), at_most(10_000)] = ()
 
     def resolved(self, l_f: float, l_c: float) -> Adaptivity:
         """The same with every number known: by the tolerance where there is one, else by the defaults.
@@ -81,15 +82,15 @@ class Adaptivity(Part):
         # What an earlier case resolved was not given, and follows the spacings of this one.
         given = self.model_fields_set
         gamma = self.gamma if "gamma" in given else level.gamma
-        r_f = self.r_f if "r_f" in given else level.r_f * l_f
-        r_c = self.r_c if "r_c" in given else r_f + level.ramp * l_c
-        r_w = self.r_w if "r_w" in given else 3.0 * l_f
+        r_f = self.r_f if "r_f" in given else min(level.r_f * l_f, LONGEST)
+        r_c = self.r_c if "r_c" in given else min(r_f + level.ramp * l_c, LONGEST)
+        r_w = self.r_w if "r_w" in given else min(3.0 * l_f, LONGEST)
         if self.tolerance is not None:
             # A case read again from its resolved values gives them beside the tolerance: the same are allowed.
             found = {"gamma": gamma, "r_f": r_f, "r_c": r_c}
             due = {"gamma": level.gamma, "r_f": level.r_f * l_f, "r_c": level.r_f * l_f + level.ramp * l_c}
             for key, value in due.items():
-                if not math.isclose(found[key], value, rel_tol=1e-9):
+                if not math.isclose(found[key], min(value, LONGEST), rel_tol=1e-9):
                     fail("is given together with tolerance, which chooses it", f"either tolerance or {key}", key)
         if r_f > r_c:
             fail(f"{r_f:g} m is larger than r_c = {r_c:g} m", "r_f at most r_c", "r_f")

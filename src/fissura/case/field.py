@@ -7,13 +7,15 @@ from pydantic import Field as Entry
 from fissura.case.part import Part
 from fissura.case.types import (
     Count,
-    Factor,
     Fraction,
+    Gaussians,
     Lengths,
-    Numbers,
+    Order,
     PositiveLength,
     SignedShare,
     Tolerance,
+    Variation,
+    WeibullShape,
 )
 
 __all__ = ["EnergyField", "Field"]
@@ -24,8 +26,8 @@ class EnergyField(Part):
 
     cross_correlation: SignedShare = 0.0
     marginal: str = Entry(default="grafted", description="the name of a distribution")
-    cov: Factor = 0.25
-    shape: Factor | None = None
+    cov: Variation = 0.25
+    shape: WeibullShape | None = None
     graft: Fraction | None = None
     lower: Fraction | None = None
 
@@ -35,14 +37,14 @@ class Field(Part):
 
     correlation: str = Entry(default="squared-exponential", description="the name of a correlation")
     length: Lengths = Entry(description='a length such as "50 mm", or three along the axes')
-    nu: Factor | None = None
+    nu: Order | None = None
     marginal: str = Entry(default="grafted", description="the name of a distribution")
-    cov: Factor = 0.25
-    shape: Factor | None = None
+    cov: Variation = 0.25
+    shape: WeibullShape | None = None
     graft: Fraction | None = None
     lower: Fraction | None = None
     variance_error: Tolerance = 0.01
     spacing: PositiveLength | None = None
     seed: Count | None = None
-    leading: Numbers = ()
+    leading: Gaussians = ()
     energy: EnergyField | None = None

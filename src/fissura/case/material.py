@@ -11,24 +11,44 @@ from fissura.bulk import bulk_law
 from fissura.case.part import Part
 from fissura.case.region import Region
 from fissura.case.types import (
-    Factor,
-    Fraction,
+    Alpha,
+    BulkModulus,
+    Exponent,
+    FractureEnergy,
+    Modulus,
     PoissonRatio,
     PositiveEnergyPerArea,
     PositiveStress,
+    Shape,
+    Slope,
+    Strength,
     as_tuple,
+    at_most,
     derived,
     fail,
     instead,
 )
+from fissura.case.units import ENERGY_PER_AREA, STRESS, told
 
 __all__ = ["Macro", "Material"]
+
+#: Constants that are bounded by another one: that one, and the least and the largest ratio to it. Within them, and the
+#: ranges of the other constants, strengths and softening moduli of the contact law are finite in all directions.
+RATIOS = (
+    ("f_s", "f_t", STRESS, 0.05, 20.0),
+    ("f_c", "f_t", STRESS, 0.05, 1000.0),
+    ("G_s", "G_t", ENERGY_PER_AREA, 0.01, 1e6),
+    ("K_c", "E", STRESS, 1e-6, 100.0),
+)
+
+#: Shear strength over ``mu f_t``, at least.
+_LEAST_SHEAR = 1.001
 
 
 class Macro(Part):
     """Elastic constants of the material as a whole (theory section 2)."""
 
-    E: PositiveStress = Field(description='a stress such as "38 GPa"')
+    E: BulkModulus = Field(description='a stress such as "38 GPa"')
     nu: PoissonRatio = Field(description="a number such as 0.18")
 
     @property
@@ -42,24 +62,44 @@ class Material(Part):
 
     law: str = Field(default="cusatis-cedolin", description="the name of a law")
     macro: Macro | None = Field(default=None, exclude=True, description="a table with E and nu")
-    E: PositiveStress = Field(
+    E: Modulus = Field(
         default_factory=instead("macro", lambda macro: macro.contact[0]),
         description='a stress such as "60 GPa", or macro = { E, nu } instead of E and alpha',
     )
-    alpha: Fraction = Field(
+    alpha: Alpha = Field(
         default_factory=instead("macro", lambda macro: macro.contact[1]),
-        description="a number above 0 and at most 1, or macro = { E, nu } instead of E and alpha",
+        description="a number from 0.001 to 1, or macro = { E, nu } instead of E and alpha",
     )
-    f_t: PositiveStress = Field(description='a stress such as "2.2 MPa"')
-    G_t: PositiveEnergyPerArea = Field(description='an energy per area such as "35 J/m^2"')
+    f_t: Strength = Field(description='a stress such as "2.2 MPa"')
+    G_t: FractureEnergy = Field(description='an energy per area such as "35 J/m^2"')
     f_s: PositiveStress = Field(default_factory=derived(lambda f_t: 3.0 * f_t, "f_t"))
     f_c: PositiveStress = Field(default_factory=derived(lambda f_t: 16.0 * f_t, "f_t"))
     G_s: PositiveEnergyPerArea = Field(default_factory=derived(lambda G_t: 16.0 * G_t, "G_t"))
     K_c: PositiveStress = Field(default_factory=derived(lambda E: 0.26 * E, "E"))
-    mu: Factor = 0.2
-    beta: Factor = 1.0
-    n_c: Factor = 2.0
-    elastic: Annotated[tuple[Region, ...], BeforeValidator(as_tuple)] = ()
+    mu: Slope = 0.2
+    beta: Shape = 1.0
+    n_c: Exponent = 2.0
+    elastic: Annotated[tuple[Region, ...], BeforeValidator(as_tuple), at_most(10_000)] = ()
+
+    @model_validator(mode="after")
+    def _ratios(self) -> Self:
+        for name, other, dimension, least, most in RATIOS:
+            value, reference = getattr(self, name), getattr(self, other)
+            if not least * reference * (1 - 1e-9) <= value <= most * reference * (1 + 1e-9):
+                side = f"less than {least:g}" if value < reference else f"more than {most:g}"
+                fail(
+                    f"{told(value, dimension)} is {side} times {other} = {told(reference, dimension)}",
+                    f"{told(least * reference, dimension)} to {told(most * reference, dimension)};"
+                    f" numbers without a unit are in {dimension.unit}",
+                    name,
+                )
+        least = _LEAST_SHEAR * self.mu * self.f_t
+        if self.f_s < least:  # the hyperbola of the strengths would cut the axis below f_t, or have its apex there
+            if "f_s" in self.model_fields_set:
+                fail(f"{told(self.f_s, STRESS)} is not above mu f_t", f"at least {told(least, STRESS)}", "f_s")
+            most = self.f_s / (_LEAST_SHEAR * self.f_t)
+            fail(f"{self.mu:g} leaves mu f_t not below f_s", f"at most {most:.4g}, f_s/f_t", "mu")
+        return self
 
     @model_validator(mode="after")
     def _either_contacts_or_whole(self) -> Self:

@@ -19,6 +19,7 @@ from fissura.case.adaptivity import Adaptivity
 from fissura.case.field import Field as RandomField
 from fissura.case.material import Macro, Material
 from fissura.case.part import Part
+from fissura.case.ranges import LONGEST
 from fissura.case.region import BallRegion, BoxRegion
 from fissura.case.types import (
     Axis,
@@ -26,16 +27,19 @@ from fissura.case.types import (
     Direction,
     File,
     Flag,
+    Iterations,
     Length,
     Point,
-    PositiveCount,
     PositiveLength,
     Share,
     Size,
+    StepLength,
     Target,
     Thickness,
+    Thousands,
     Tolerance,
     as_tuple,
+    at_most,
     derived,
     fail,
 )
@@ -145,7 +149,7 @@ class Discretization(Part):
     """Spacing of the nuclei."""
 
     l_f: PositiveLength = Field(description='a length such as "10 mm"')
-    l_c: PositiveLength = Field(default_factory=derived(lambda l_f: 4.0 * l_f, "l_f"))
+    l_c: PositiveLength = Field(default_factory=derived(lambda l_f: min(4.0 * l_f, LONGEST), "l_f"))
     nuclei: File | None = None
 
     @model_validator(mode="after")
@@ -160,15 +164,15 @@ class Control(Part):
 
     type: Literal["gauge", "displacement", "dissipation"] = "gauge"
     target: Target = Field(description='a length such as "0.1 mm"')
-    max_step: PositiveLength = Field(default_factory=derived(lambda target: target / 50, "target"))
-    first_step: PositiveLength = Field(
+    max_step: StepLength = Field(default_factory=derived(lambda target: target / 50, "target"))
+    first_step: StepLength = Field(
         default_factory=derived(lambda target, step: min(target / 200, step), "target", "max_step")
     )
-    min_step: PositiveLength = Field(
+    min_step: StepLength = Field(
         default_factory=derived(lambda target, step: min(target / 1e5, step), "target", "first_step")
     )
     tolerance: Tolerance = 1e-4
-    max_iterations: PositiveCount = 30
+    max_iterations: Iterations = 30
     switch: Flag = True
     stop_load: Share = Field(default_factory=derived(lambda kind: 0.05 if kind == "dissipation" else 0.0, "type"))
 
@@ -181,6 +185,11 @@ class Control(Part):
             fail(f"{self.first_step:g} m is larger than max_step", f"at most {self.max_step:g} m", "first_step")
         if self.min_step > self.first_step:
             fail(f"{self.min_step:g} m is larger than first_step", f"at most {self.first_step:g} m", "min_step")
+        # More steps than anyone waits for, and steps that round-off would swallow.
+        for key, share in (("max_step", 1e-6), ("min_step", 1e-12)):
+            if getattr(self, key) < share * self.target * (1 - 1e-9):
+                problem = f"{getattr(self, key):g} m is less than {share:g} of target = {self.target:g} m"
+                fail(problem, f"at least {share * self.target:g} m", key)
         return self
 
 
@@ -188,13 +197,13 @@ class Solver(Part):
     """How linear equations are solved."""
 
     linear: Literal["auto", "direct", "two-level", "amg"] = "auto"
-    threads: Count = 0
+    threads: Thousands = 0
 
 
 class Output(Part):
     """What a run writes besides its curve and summary."""
 
-    vtk: Count = 5
+    vtk: Thousands = 5
     measured: File | None = None
 
 
@@ -207,8 +216,8 @@ class Case(Part):
     name: str = "case"
     seed: Count = 1
     specimen: Specimen = Field(description="a table [specimen] with size")
-    notch: Annotated[tuple[Notch, ...], BeforeValidator(as_tuple)] = ()
-    supports: Annotated[tuple[Support, ...], BeforeValidator(as_tuple)] = Field(
+    notch: Annotated[tuple[Notch, ...], BeforeValidator(as_tuple), at_most(100)] = ()
+    supports: Annotated[tuple[Support, ...], BeforeValidator(as_tuple), at_most(100)] = Field(
         description="at least one table [[supports]] with type and face"
     )
     load: Load = Field(description="a table [load] with face")

@@ -5,20 +5,39 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Mapping
-from typing import Any, get_args
+from typing import Any, NoReturn, get_args
 
 from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["input_error"]
+__all__ = ["fail", "input_error"]
 
 #: Errors of defaults that only wait for another key, which is wrong itself.
 WAITING = ("waiting", "default_factory_not_called")
 
 Location = tuple[int | str, ...]
+
+
+def fail(problem: str, allowed: str = "", key: str | tuple[int | str, ...] = ()) -> NoReturn:
+    """Raise the error that `input_error` turns into the message for the user.
+
+    Parameters
+    ----------
+    problem, allowed : str
+        What is wrong and what would be right.
+    key : str or tuple, optional
+        Key inside the model being validated, or the keys and indices that lead to it; empty for the value itself.
+
+    Raises
+    ------
+    PydanticCustomError
+        Always.
+    """
+    context = {"problem": problem, "allowed": allowed, "key": (key,) if isinstance(key, str) else key}
+    raise PydanticCustomError("fissura", "{problem}", context)
 
 
 def input_error(error: ValidationError, model: type[BaseModel], data: Mapping[str, Any]) -> InputError:
@@ -98,7 +117,7 @@ def _describe(item: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any
 
 
 def _as_written(location: Location, data: Any) -> Location:
-    """Drop what the file does not say: the index of a single table, the tag of a union."""
+    """Drop what the file does not say: the index of a single table or value, the tag of a union."""
     written: list[int | str] = []
     for position, part in enumerate(location):
         last = position == len(location) - 1
@@ -108,6 +127,8 @@ def _as_written(location: Location, data: Any) -> Location:
             data = data.get(part)
         elif isinstance(data, (list, tuple)) and isinstance(part, int) and part < len(data):
             data = data[part]
+        elif isinstance(data, (str, int, float)) and isinstance(part, int):
+            continue
         else:
             data = None
         written.append(part)

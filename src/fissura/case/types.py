@@ -6,38 +6,67 @@ import math
 from collections.abc import Callable
 from numbers import Integral
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ValidationInfo
-from pydantic_core import PydanticCustomError
+from pydantic import AfterValidator, BeforeValidator, ValidationInfo
 
 from fissura.bulk import bulk_law
-from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, Dimension, show, to_si
+from fissura.case.ranges import (
+    BULK_MODULI,
+    COORDINATES,
+    CORRELATION,
+    ENERGIES,
+    LENGTHS,
+    MODULI,
+    POSITIVE,
+    STRENGTHS,
+    WIDTHS,
+    between,
+    derived,
+    instead,
+    quantity,
+)
+from fissura.case.report import fail
+from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, show, to_si
 
 __all__ = [
+    "Alpha",
     "Axis",
+    "BulkModulus",
+    "CorrelationLength",
     "Count",
     "Direction",
-    "Factor",
+    "Exponent",
     "File",
     "Flag",
     "Fraction",
+    "FractureEnergy",
+    "Gaussians",
+    "Iterations",
     "Length",
     "Lengths",
-    "Numbers",
+    "Modulus",
+    "Order",
     "Point",
     "PoissonRatio",
-    "PositiveCount",
     "PositiveEnergyPerArea",
     "PositiveLength",
     "PositiveStress",
+    "Shape",
     "Share",
     "SignedShare",
     "Size",
+    "Slope",
+    "StepLength",
+    "Strength",
     "Target",
     "Thickness",
+    "Thousands",
     "Tolerance",
+    "Variation",
+    "WeibullShape",
     "as_tuple",
+    "at_most",
     "derived",
     "fail",
     "instead",
@@ -47,96 +76,6 @@ __all__ = [
 
 Axis = Literal["x", "y", "z"]
 LARGEST_INTEGER = 2**63 - 1
-_WAITING, _MISSING = object(), object()
-
-
-def fail(problem: str, allowed: str = "", key: str | tuple[int | str, ...] = ()) -> NoReturn:
-    """Raise the error that `fissura.case.report` turns into the message for the user.
-
-    Parameters
-    ----------
-    problem, allowed : str
-        What is wrong and what would be right.
-    key : str or tuple, optional
-        Key inside the model being validated, or the keys and indices that lead to it; empty for the value itself.
-
-    Raises
-    ------
-    PydanticCustomError
-        Always.
-    """
-    context = {"problem": problem, "allowed": allowed, "key": (key,) if isinstance(key, str) else key}
-    raise PydanticCustomError("fissura", "{problem}", context)
-
-
-def derived(function: Callable[..., float], *keys: str) -> Callable[[dict[str, Any]], Any]:
-    """Default computed from other keys of the same table, which stand before it.
-
-    Parameters
-    ----------
-    function : callable
-        Takes the values of the keys.
-    *keys : str
-        Names of the keys; while one of them is wrong there is no default, and no second message about it.
-    """
-
-    def default(data: dict[str, Any]) -> Any:
-        if any(key not in data for key in keys):
-            return _WAITING
-        return function(*(data[key] for key in keys))
-
-    return default
-
-
-def instead(key: str, function: Callable[[Any], float]) -> Callable[[dict[str, Any]], Any]:
-    """Default of a field that is required unless another key of the same table, which stands before it, is given.
-
-    Parameters
-    ----------
-    key : str
-        Name of the other key, whose value is None when it is not given.
-    function : callable
-        Takes its value.
-    """
-
-    def default(data: dict[str, Any]) -> Any:
-        if key not in data:
-            return _WAITING
-        return _MISSING if data[key] is None else function(data[key])
-
-    return default
-
-
-def _quantity(
-    dimension: Dimension, above: float = -math.inf, *, equal: bool = False, below: float = math.inf, hint: str = ""
-) -> Callable[[Any], float]:
-    """Validator of a quantity in the interval (above, below], or [above, below] with ``equal``.
-
-    The hint is for those who give a value on the other side.
-    """
-    allowed = dimension.allowed
-    if below < math.inf and equal:
-        allowed += f", {above:g} to {below:g}"
-    elif below < math.inf:
-        allowed += f", above {above:g} and at most {below:g}"
-    elif above > -math.inf:
-        allowed += ", zero or positive" if equal else ", positive"
-
-    def validate(value: Any) -> float:
-        if value is _WAITING:
-            raise PydanticCustomError("waiting", "its default depends on a key that is wrong")
-        if value is _MISSING:
-            raise PydanticCustomError("missing", "missing")
-        try:
-            number = to_si(value, dimension)
-        except ValueError as error:
-            fail(str(error), allowed)
-        if number < above or (number == above and not equal) or number > below:
-            sign = "not positive" if number == 0 else "negative" if number < 0 else "too large"
-            fail(f"{show(value)} is {sign}", allowed + hint)
-        return number
-
-    return validate
 
 
 def _poisson(value: Any) -> float:
@@ -151,14 +90,14 @@ def _poisson(value: Any) -> float:
     return number
 
 
-def _integer(smallest: int) -> Callable[[Any], int]:
-    allowed = f"a whole number, {smallest} or larger"
+def _integer(smallest: int, largest: int = LARGEST_INTEGER) -> Callable[[Any], int]:
+    allowed = f"a whole number, {smallest} " + ("or larger" if largest == LARGEST_INTEGER else f"to {largest}")
 
     def validate(value: Any) -> int:
         number = whole(value)
         if number is None:
             fail(f"{show(value)} is not a whole number", allowed)
-        if not smallest <= number <= LARGEST_INTEGER:
+        if not smallest <= number <= largest:
             fail(f"{show(value)} is {'too small' if number < smallest else 'too large'}", allowed)
         return number
 
@@ -235,24 +174,30 @@ def _file(value: Any, info: ValidationInfo) -> Path:
 
 
 def _one_or_three(value: Any) -> Any:
-    """Take one length where three may stand as a list of one."""
+    """Take one correlation length where three may stand as a list of one."""
     value = listed(value)
     if not isinstance(value, list):
-        return (_quantity(LENGTH, 0.0)(value),)
+        return (value,)
     if len(value) not in (1, 3):
         fail(f"the list has {len(value)} entries", "one length, or a list of three")
     return value
 
 
-def _numbers(value: Any) -> tuple[float, ...]:
-    allowed = "a list of numbers such as [0.3, -1.2]"
+def _gaussian(value: Any) -> tuple[float, ...]:
+    """Values of standard Gaussian variables."""
+    allowed = "a list of numbers such as [0.3, -1.2], each from -10 to 10"
     value = listed(value)
     if not isinstance(value, list):
         fail(f"{show(value)} is not a list", allowed)
-    try:
-        return tuple(to_si(item, NUMBER) for item in value)
-    except ValueError as error:
-        fail(str(error), allowed)
+    found = []
+    for k, item in enumerate(value):
+        try:
+            found.append(to_si(item, NUMBER))
+        except ValueError as error:
+            fail(str(error), allowed, (k,))
+        if abs(found[-1]) > 10.0:
+            fail(f"{show(item)} is too {'large' if found[-1] > 0.0 else 'small'}", allowed, (k,))
+    return tuple(found)
 
 
 def as_tuple(value: Any) -> Any:
@@ -260,29 +205,53 @@ def as_tuple(value: Any) -> Any:
     return (value,) if isinstance(value, dict) else value
 
 
-Length = Annotated[float, BeforeValidator(_quantity(LENGTH))]
-PositiveLength = Annotated[float, BeforeValidator(_quantity(LENGTH, 0.0))]
+def at_most(number: int) -> AfterValidator:
+    """Validator of a tuple that has at most so many entries."""
+
+    def validate(value: tuple[Any, ...]) -> tuple[Any, ...]:
+        if len(value) > number:
+            fail(f"the list has {len(value)} entries", f"at most {number}")
+        return value
+
+    return AfterValidator(validate)
+
+
+Length = Annotated[float, BeforeValidator(quantity(LENGTH, COORDINATES))]
+PositiveLength = Annotated[float, BeforeValidator(quantity(LENGTH, LENGTHS))]
 Target = Annotated[
     float,
     BeforeValidator(
-        _quantity(LENGTH, 0.0, hint="; for a gauge that gets smaller under the load, turn gauge.direction instead")
+        quantity(LENGTH, LENGTHS, "; for a gauge that gets smaller under the load, turn gauge.direction instead")
     ),
 ]
-Thickness = Annotated[float, BeforeValidator(_quantity(LENGTH, 0.0, equal=True))]
-PositiveStress = Annotated[float, BeforeValidator(_quantity(STRESS, 0.0))]
+StepLength = Annotated[float, BeforeValidator(quantity(LENGTH, POSITIVE))]
+Thickness = Annotated[float, BeforeValidator(quantity(LENGTH, WIDTHS))]
+BulkModulus = Annotated[float, BeforeValidator(quantity(STRESS, BULK_MODULI))]
+Modulus = Annotated[float, BeforeValidator(quantity(STRESS, MODULI))]
+Strength = Annotated[float, BeforeValidator(quantity(STRESS, STRENGTHS))]
+PositiveStress = Annotated[float, BeforeValidator(quantity(STRESS, POSITIVE))]
 PoissonRatio = Annotated[float, BeforeValidator(_poisson)]
-PositiveEnergyPerArea = Annotated[float, BeforeValidator(_quantity(ENERGY_PER_AREA, 0.0))]
-Factor = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0))]
-Fraction = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, below=1.0))]
-Share = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, equal=True, below=1.0))]
-SignedShare = Annotated[float, BeforeValidator(_quantity(NUMBER, -1.0, equal=True, below=1.0))]
-Tolerance = Annotated[float, BeforeValidator(_quantity(NUMBER, 0.0, below=0.1))]
+FractureEnergy = Annotated[float, BeforeValidator(quantity(ENERGY_PER_AREA, ENERGIES))]
+PositiveEnergyPerArea = Annotated[float, BeforeValidator(quantity(ENERGY_PER_AREA, POSITIVE))]
+Alpha = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.001, 1.0)))]
+Slope = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.01, 10.0)))]
+Shape = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.01, 100.0)))]
+Exponent = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.1, 10.0)))]
+Variation = Annotated[float, BeforeValidator(quantity(NUMBER, between(1e-6, 100.0)))]
+WeibullShape = Annotated[float, BeforeValidator(quantity(NUMBER, between(1.0, 1000.0, open=True)))]
+Order = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.01, 50.0)))]
+Fraction = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.0, 1.0, open=True)))]
+Share = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.0, 1.0, words=False)))]
+SignedShare = Annotated[float, BeforeValidator(quantity(NUMBER, between(-1.0, 1.0, words=False)))]
+Tolerance = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.0, 0.1, open=True)))]
 Count = Annotated[int, BeforeValidator(_integer(0))]
-PositiveCount = Annotated[int, BeforeValidator(_integer(1))]
+Thousands = Annotated[int, BeforeValidator(_integer(0, 10_000))]
+Iterations = Annotated[int, BeforeValidator(_integer(1, 10_000))]
 Flag = Annotated[bool, BeforeValidator(_flag)]
 Point = Annotated[tuple[Length, Length, Length], BeforeValidator(_three("lengths"))]
 Size = Annotated[tuple[PositiveLength, PositiveLength, PositiveLength], BeforeValidator(_three("lengths"))]
-Lengths = Annotated[tuple[PositiveLength, ...], BeforeValidator(_one_or_three)]
-Numbers = Annotated[tuple[float, ...], BeforeValidator(_numbers)]
+CorrelationLength = Annotated[float, BeforeValidator(quantity(LENGTH, CORRELATION))]
+Lengths = Annotated[tuple[CorrelationLength, ...], BeforeValidator(_one_or_three)]
+Gaussians = Annotated[tuple[float, ...], BeforeValidator(_gaussian)]
 Direction = Annotated[tuple[float, float, float], BeforeValidator(_unit_vector)]
 File = Annotated[Path, BeforeValidator(_file)]

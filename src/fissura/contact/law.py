@@ -22,6 +22,12 @@ FloatArray = NDArray[np.float64]
 _HALF_PI = 0.5 * np.pi
 _INTACT_SHARE = 1e-9  # of the stiffness is left to a broken contact, so that loose bodies keep a position
 
+#: Compressive cap over the stress at which it would meet the strength in pure shear, at least.
+_LEAST_CAP = 1.001
+
+#: Difference of softening moduli that is round-off, relative to the larger one.
+_ROUND_OFF = 1e-12
+
 
 @njit(cache=True)
 def _tension_shear_strength(sin, cos, alpha, f_t, f_s, mu):  # type: ignore[no-untyped-def]
@@ -72,11 +78,12 @@ def transition_angle(material: Material) -> float:
         return float(shear - cap)
 
     low = -np.arctan(np.sqrt(m.alpha) / m.mu) * (1.0 - 1e-9) if m.mu > 0 else -_HALF_PI * (1.0 - 1e-9)
-    if gap(0.0) >= 0.0 or gap(low) <= 0.0:
+    least = _LEAST_CAP * m.f_s / np.sqrt(m.beta)
+    if m.f_c < least or gap(low) <= 0.0:
         raise InputError(
             "material.f_c",
             f"{m.f_c:g} Pa: the compressive cap does not meet the shear strength under compression",
-            f"more than {m.f_s / np.sqrt(m.beta):g} Pa",
+            f"{least:g} Pa or more, {_LEAST_CAP:g} f_s/sqrt(beta)",
         )
     return float(brentq(gap, low, 0.0, xtol=1e-15, rtol=1e-14))
 
@@ -293,7 +300,9 @@ class CusatisCedolin:
         omega0 = transition_angle(m)
         k_t = 2.0 * m.E * m.f_t**2 * length / (2.0 * m.E * m.G_t - m.f_t**2 * length)
         k_s = 2.0 * m.alpha * m.E * m.f_s**2 * length / (2.0 * m.alpha * m.E * m.G_s - m.f_s**2 * length)
-        n_t = np.log(k_t / (k_t - k_s)) / np.log(1.0 - 2.0 * omega0 / np.pi)
+        # At the limit of the length both moduli are the same, but for round-off.
+        apart = np.maximum(k_t - k_s, _ROUND_OFF * k_t)
+        n_t = np.log(k_t / apart) / np.log(1.0 - 2.0 * omega0 / np.pi)
         return cls(m, length, np.ones(len(length)) if scale is None else scale, k_t, k_s, n_t, omega0)
 
     @property

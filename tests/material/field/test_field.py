@@ -185,7 +185,7 @@ def test_chunks_change_nothing(monkeypatch):
         ({"variance_error": 0.5}, "field.variance_error", "0.1"),
         ({"seed": -1}, "field.seed", "too small"),
         ({"leading": 3.0}, "field.leading", "list of numbers"),
-        ({"leading": ["x"]}, "field.leading", "list of numbers"),
+        ({"leading": ["x"]}, "field.leading[0]", "list of numbers"),
         ({"leading": [0.0] * 1000}, "field.leading", "modes"),
         ({"length": "0.01 mm"}, "field.length", "nodes"),
         ({"energy": {"cross_correlation": 1.5}}, "field.energy.cross_correlation", "-1 to 1"),
