@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import fissura
 from fissura.check import report
 from fissura.errors import InputError
 from fissura.simulation import Simulation
@@ -83,6 +84,14 @@ def test_the_key_at_fault_is_named(small_case, changes, key, problem, full):
     assert caught.value.key == key
 
 
+def test_a_specimen_without_its_unit_is_named_where_it_does_not_fit(small_case):
+    case = small_case(specimen__size=[120, 60, 40])
+    for refuse in (report, fissura.run):
+        with pytest.raises(InputError, match="120 m is very large") as caught:
+            refuse(case)
+        assert caught.value.key == "specimen.size"
+
+
 def test_a_gauge_on_one_body_of_the_start_alone(small_case):
     """At full resolution its ends are on two bodies: what helps is said, and helps."""
     changes = {"notch": None, "discretization": {"l_f": 0.006, "l_c": 0.04}, "gauge": APART, "adaptivity": None}
@@ -93,6 +102,26 @@ def test_a_gauge_on_one_body_of_the_start_alone(small_case):
     report(small_case(**(changes | {"adaptivity": {"regions": there, "r_f": 0.012}})))
     step = next(Simulation(small_case(**changes), full=True).steps())
     assert step.load > 0.0
+
+
+def test_a_start_of_one_body(small_case, tmp_path):
+    """It is the spacing that is wrong then, neither gauge nor supports."""
+    cube = {
+        "specimen__size": [0.02, 0.02, 0.02],
+        "notch": None,
+        "supports": [{"type": "clamp", "face": "bottom"}],
+        "load": {"face": "top"},
+        "gauge": None,
+        "control__type": "displacement",
+        "adaptivity": None,
+    }
+    (tmp_path / "middle.txt").write_text("0.01 0.01 0.01")
+    middle = {"l_f": 0.02, "nuclei": str(tmp_path / "middle.txt")}
+    for spacing, key in (({"l_f": 0.01}, "discretization.l_c"), (middle, "discretization.l_f")):
+        with pytest.raises(InputError, match="single rigid body") as caught:
+            report(small_case(**cube, discretization=spacing))
+        assert caught.value.key == key
+    assert report(small_case(**cube, discretization={"l_f": 0.01, "l_c": 0.012})).bodies_start > 1
 
 
 def test_a_gauge_that_the_load_does_not_move(small_case):

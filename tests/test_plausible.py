@@ -45,7 +45,14 @@ def test_examples_are_plausible(path: Path) -> None:
         ({"material__G_s": 0.05, "material__G_t": 0.11}, ["material.G_s"]),
         ({"material__K_c": 0.9e9}, ["material.K_c"]),
         ({"specimen__size": [101.0, 50.0, 50.0], "control__target": 0.1}, ["specimen.size"]),
-        ({"specimen__size": [9e-4, 4e-4, 4e-4], "control__target": 1e-6}, ["specimen.size"]),
+        (
+            {"specimen__size": [9e-4, 4e-4, 4e-4], "control__target": 1e-6, "adaptivity": None}
+            | {"discretization": {"l_f": 1e-4}},
+            ["specimen.size"],
+        ),
+        ({"discretization": {"l_f": 0.04}}, []),  # l_c is 160 mm by default
+        ({"discretization__l_c": 40}, ["discretization.l_c"]),
+        ({"adaptivity": {"r_f": 16}}, ["adaptivity.r_f"]),
         ({"control__target": 0.0059}, []),
         ({"control__target": 0.1}, ["control.target"]),  # of 120 mm
         ({"control__target": 3.1e-8}, []),  # a tenth of 8 mm * 2.2 MPa / 60 GPa is 2.9e-8 m
@@ -53,6 +60,8 @@ def test_examples_are_plausible(path: Path) -> None:
         ({"field": {"length": 0.05, "cov": 0.9}}, []),
         ({"field": {"length": 0.05, "cov": 25, "marginal": "lognormal"}}, ["field.cov"]),
         ({"field": {"length": 0.05, "energy": {"cov": 25, "marginal": "lognormal"}}}, ["field.energy.cov"]),
+        ({"field": {"length": 11.9}}, []),
+        ({"field": {"length": 50}}, ["field.length"]),
         ({"field": {"length": [0.05, 0.05, 0.005]}}, ["field.length"]),
     ],
 )

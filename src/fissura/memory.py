@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 from fissura.case import Case
+from fissura.case.plausible import suspect
 from fissura.errors import InputError
 
 __all__ = [
@@ -87,6 +88,9 @@ def require_memory(case: Case, *, full: bool = False) -> None:
     bodies, machine, l_f = estimate_bodies(case), physical_memory(), case.discretization.l_f
     size = " x ".join(f"{length:g}" for length in case.specimen.size)
     problem = f"{l_f:g} m in a specimen of {size} m means about {bodies:.2g} bodies"
+    odd = suspect(case, "specimen")
+    if odd is not None and bodies * BYTES_PER_NUCLEUS > machine:
+        raise InputError(odd.key, f"{odd.problem}; {problem}", odd.advice)
     if bodies > MOST_BODIES:
         raise InputError("discretization.l_f", problem, f"a spacing that gives at most {MOST_BODIES:.0e} bodies")
     need = bodies * BYTES_PER_NUCLEUS

@@ -9,13 +9,17 @@ from fissura.case.model import Case
 from fissura.case.units import ENERGY_PER_AREA, LENGTH, STRESS, Dimension, told
 from fissura.errors import Notice
 
-__all__ = ["CHECKS", "case_notices"]
+__all__ = ["CHECKS", "case_notices", "suspect"]
 
 #: Share of `E` above which a strength is no strength of a brittle material: strain at failure is 40 to 100 millionths.
 MOST_STRAIN = 0.01
 
 #: Share of the specimen's largest dimension up to which displacements count as small.
 MOST_DISPLACEMENT = 0.05
+
+
+#: Correlation length over the specimen's largest dimension from which on a random field is the same everywhere in it.
+MOST_LENGTH = 100.0
 
 
 @dataclass(frozen=True)
@@ -123,6 +127,22 @@ def _target(case: Case) -> Iterable[Notice]:
         )
 
 
+def _spacings(case: Case) -> Iterable[Notice]:
+    """Lengths of the discretization beyond the specimen: a unit is missing. Defaults in terms of `l_f` may be so."""
+    largest = max(case.specimen.size)
+    for part, name, what in (
+        ("discretization", "l_c", "coarse bodies are as large as l_c where they can be"),
+        ("adaptivity", "r_f", "everything is fine as soon as one body is critical"),
+    ):
+        value = getattr(getattr(case, part), name)
+        if name in getattr(case, part).model_fields_set and value > largest:
+            yield Notice(
+                f"{part}.{name}",
+                f"{told(value, LENGTH)} is larger than the specimen, {told(largest, LENGTH)}: {what}",
+                'see whether a unit is missing: numbers without one are in m; write such as "40 mm"',
+            )
+
+
 def _field(case: Case) -> Iterable[Notice]:
     """Random fields that scatter by more than their mean, or faster than bodies can follow."""
     part, l_f = case.field, case.discretization.l_f
@@ -135,6 +155,14 @@ def _field(case: Case) -> Iterable[Notice]:
                 f"{cov:g} means a scatter of {cov:.0%} of the mean",
                 'a share such as 0.25, or per cent such as "25 %"',
             )
+    largest = max(case.specimen.size)
+    if min(part.length) > MOST_LENGTH * largest:
+        yield Notice(
+            "field.length",
+            f"{told(min(part.length), LENGTH)} is far more than the specimen's {told(largest, LENGTH)}: the field is"
+            " the same everywhere in it",
+            'see whether a unit is missing: numbers without one are in m; write such as "50 mm"',
+        )
     if min(part.length) < l_f:
         yield Notice(
             "field.length",
@@ -145,7 +173,7 @@ def _field(case: Case) -> Iterable[Notice]:
 
 
 #: Each looks at a case and returns what looks wrong; a new check is a function here.
-CHECKS: tuple[Callable[[Case], Iterable[Notice]], ...] = (_material, _specimen, _target, _field)
+CHECKS: tuple[Callable[[Case], Iterable[Notice]], ...] = (_material, _specimen, _spacings, _target, _field)
 
 
 def case_notices(case: Case) -> tuple[Notice, ...]:
@@ -157,3 +185,16 @@ def case_notices(case: Case) -> tuple[Notice, ...]:
         Case to look at.
     """
     return tuple(notice for check in CHECKS for notice in check(case))
+
+
+def suspect(case: Case, part: str) -> Notice | None:
+    """The first thing that looks wrong in a part of a case: what to name where the case cannot be used.
+
+    Parameters
+    ----------
+    case : Case
+        Case to look at.
+    part : str
+        Table or key, such as ``"material"``.
+    """
+    return next((notice for notice in case_notices(case) if f"{notice.key}.".startswith(f"{part}.")), None)

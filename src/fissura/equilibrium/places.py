@@ -35,8 +35,12 @@ def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: b
     Raises
     ------
     InputError
-        Both ends of the gauge lie on one body; supports hold the bodies of the gauge or of the load.
+        There is one body only; both ends of the gauge lie on one body; supports hold the bodies of the gauge or of the
+        load.
     """
+    if len(bodies) < 2:
+        key, what = ("discretization.l_c", "the start") if start else ("discretization.l_f", "the specimen")
+        raise InputError(key, f"{what} is a single rigid body", "a smaller spacing")
     gauge = conditions.gauge
     if gauge is not conditions.control and start:
         gauge = None

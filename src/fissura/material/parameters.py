@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fissura.case.plausible import case_notices
+from fissura.case.plausible import suspect
 from fissura.errors import InputError
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def check_ductile(case: Case) -> None:
         f"contacts of this material soften properly only where they are shorter than {1e3 * material.longest:.4g} mm,"
         f" and fine ones are longer than l_f = {1e3 * l_f:.4g} mm"
     )
-    suspect = next((notice for notice in case_notices(case) if notice.key.startswith("material.")), None)
-    if suspect is not None:
-        raise InputError(suspect.key, f"{suspect.problem}; {problem}", suspect.advice)
+    odd = suspect(case, "material")
+    if odd is not None:
+        raise InputError(odd.key, f"{odd.problem}; {problem}", odd.advice)
     raise InputError("discretization.l_f", problem, "a smaller l_f, a larger material.G_t or a smaller material.f_t")

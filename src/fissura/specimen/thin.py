@@ -84,19 +84,21 @@ def thin_notices(parts: Iterable[Thickness], l_f: float) -> list[Notice]:
     Returns
     -------
     list of Notice
-        One for each part that is thinner than three bodies.
+        One for each key that leaves a part thinner than three bodies, about the thinnest.
 
     Raises
     ------
     InputError
         A part is thinner than one body.
     """
-    parts = list(parts)
-    if all(part.value < l_f for part in parts):
-        largest = max(part.value for part in parts)
+    thinnest: dict[str, Thickness] = {}
+    for part in sorted(parts, key=lambda part: part.value):
+        thinnest.setdefault(part.key, part)
+        largest = part.value
+    if largest < l_f:
         raise InputError("discretization.l_f", f"{l_f:g} m is larger than the specimen", f"less than {largest:g} m")
     found = []
-    for part in parts:
+    for part in thinnest.values():
         thick = f"{part.name} is {1e3 * part.value:.4g} mm thick, "
         if part.value < LEAST * l_f * (1.0 - _ROUND_OFF):
             raise InputError(
