@@ -27,6 +27,7 @@ from fissura.equilibrium import (
     settle,
 )
 from fissura.errors import InputError, Notice, RunStopped
+from fissura.memory import within_memory
 from fissura.specimen import backward_gauge
 from fissura.step import Snapshot, Step
 from fissura.stopping import FAILURES, reason, stopping
@@ -118,7 +119,8 @@ class Simulation:
     def __init__(self, case: Case, *, full: bool = False) -> None:
         self.wall_start, self.cpu_start = time.perf_counter(), time.process_time()
         self.case, self.full = case, full
-        self._structure = Structure(case, full=full)
+        with within_memory("discretization.l_f", "the bodies of the specimen", "a larger spacing"):
+            self._structure = Structure(case, full=full)
         self.bodies_full = len(self._structure.nuclei)
         self.nuclei_given = self._structure.nuclei.given
         self.bodies_start = len(self.tessellation)

@@ -110,7 +110,7 @@ def test_every_default_can_be_read_again(small_case: Build) -> None:
     ("key", "entry", "most"),
     [
         ("notch", {"position": 0.06, "depth": 0.03}, 100),
-        ("supports", {"type": "pin", "face": "bottom", "at": 0.01}, 100),
+        ("supports", {"type": "pin", "face": "bottom", "at": 0.01}, 50),
         ("material__elastic", {"type": "ball", "center": [0, 0, 0], "radius": 1}, 10_000),
         ("adaptivity__regions", {"type": "ball", "center": [0, 0, 0], "radius": 1}, 10_000),
     ],

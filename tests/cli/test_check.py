@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fissura import check, memory
@@ -56,6 +57,45 @@ def test_memory_is_required(monkeypatch: pytest.MonkeyPatch, l_f: float, full: b
         memory.require_memory(spacing(l_f), full=full)
     assert caught.value.key == "discretization.l_f"
     assert ("without full resolution" in caught.value.allowed) == full
+
+
+def test_nuclei_of_a_file_need_memory_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file may have fewer nuclei than are placed at random, but not fewer than balls that cover the specimen."""
+    (tmp_path / "x.txt").write_text("0.1 0.02 0.02\n")
+    monkeypatch.setattr(memory, "physical_memory", lambda: 4e9)
+    for l_f, refused in ((0.01, False), (1e-5, True)):
+        case = spacing(l_f)
+        case = case.model_copy(
+            update={"discretization": case.discretization.model_copy(update={"nuclei": tmp_path / "x.txt"})}
+        )
+        if not refused:
+            memory.require_memory(case, full=True)
+            continue
+        with pytest.raises(InputError, match=r"means at least 6\.1e\+11 bodies") as caught:
+            memory.require_memory(case)
+        assert caught.value.key == "discretization.l_f"
+        volume, thinnest = 0.35 * 0.1 * 0.05, 1.4635 / (4 / 3 * np.pi)
+        assert thinnest * volume / 1e-15 == pytest.approx(6.1e11, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("place", "key"),
+    [
+        ("fissura.simulation.Structure", "discretization.l_f"),
+        ("fissura.material.field.field._expanded", "field.length"),
+    ],
+)
+def test_lack_of_memory_names_a_key(monkeypatch: pytest.MonkeyPatch, tiny: Path, place: str, key: str) -> None:
+    def fail(*args: Any, **kwargs: Any) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(place, fail)
+    tiny.write_text(f'{TINY}field.length = "50 mm"\n')
+    for command in ("check", "run"):
+        done = call(command, tiny)
+        assert done.exit_code == 2
+        assert done.stderr.startswith(f"error: {key}: there is not enough memory for ")
+        assert "GB" in done.stderr
 
 
 def test_calibration_needs_memory(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -217,7 +217,7 @@ class Case(Part):
     seed: Count = 1
     specimen: Specimen = Field(description="a table [specimen] with size")
     notch: Annotated[tuple[Notch, ...], BeforeValidator(as_tuple), at_most(100)] = ()
-    supports: Annotated[tuple[Support, ...], BeforeValidator(as_tuple), at_most(100)] = Field(
+    supports: Annotated[tuple[Support, ...], BeforeValidator(as_tuple), at_most(50)] = Field(
         description="at least one table [[supports]] with type and face"
     )
     load: Load = Field(description="a table [load] with face")

@@ -54,6 +54,9 @@ def errors() -> Iterator[None]:
     except FissuraError as error:
         say(f"error: {error}")
         raise typer.Exit(BAD_INPUT) from None
+    except MemoryError:
+        say("error: there is not enough memory for this; what was written before is kept")
+        raise typer.Exit(STOPPED) from None
     except KeyboardInterrupt as error:
         say(f"interrupted{_saved(error)}")
         raise typer.Exit(INTERRUPTED) from None

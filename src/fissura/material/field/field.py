@@ -15,6 +15,7 @@ from fissura.material.field.covariance import covariance_named
 from fissura.material.field.expansion import Expansion, expand
 from fissura.material.field.grid import Accuracy
 from fissura.material.field.marginal import Marginal, marginal_named
+from fissura.memory import within_memory
 
 if TYPE_CHECKING:
     from fissura.case import Case, Field
@@ -106,6 +107,13 @@ def field_from_case(case: Case) -> RandomField | None:
     part = case.field
     if part is None:
         return None
+    with within_memory(
+        "field.length", "the grid of the random field", "a longer correlation, or a larger field.spacing"
+    ):
+        return _realised(part, case)
+
+
+def _realised(part: Field, case: Case) -> RandomField:
     marginal = _marginal(part)
     seed = case.seed if part.seed is None else part.seed
     expansion = _expanded(part.correlation, part.length, part.nu, case.specimen.size, part.variance_error, part.spacing)
