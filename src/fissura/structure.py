@@ -103,8 +103,9 @@ class Structure:
             check_not_everywhere(self._elastic, self._whole().contacts.centroid)
         self.compliance: float | None = None
         start = self._discretized(self._region)
-        for bodies, coarse in ((self.nuclei, False), (start, not full)):
-            check_places(self._conditions, bodies, case.discretization.l_f, start=coarse)
+        check_places(self._conditions, self.nuclei, case.discretization.l_f, start=False)
+        if not full:
+            check_places(self._conditions, start, case.discretization.l_f, start=True)
         self.system = self._equations(start)
 
     def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
