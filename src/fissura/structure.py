@@ -21,6 +21,7 @@ from fissura.adaptivity import (
 from fissura.case import case_notices
 from fissura.contact import law_from_case
 from fissura.equilibrium import Response, System, Team, check_places
+from fissura.errors import InputError
 from fissura.material import (
     check_ductile,
     check_not_everywhere,
@@ -46,6 +47,10 @@ if TYPE_CHECKING:
 __all__ = ["Structure"]
 
 FloatArray = NDArray[np.float64]
+
+
+def _count(bodies: int) -> str:
+    return "1 body" if bodies == 1 else f"{bodies} bodies"
 
 
 class Structure:
@@ -104,6 +109,12 @@ class Structure:
         self.compliance: float | None = None
         start = self._discretized(self._region)
         check_places(self._conditions, self.nuclei, case.discretization.l_f, start=False)
+        if not len(start.contacts) and len(start) < len(self.nuclei):
+            raise InputError(
+                "discretization.l_c",
+                f"{case.discretization.l_c:g} m: the start has {_count(len(start))} without any contact",
+                f"less; l_f = {case.discretization.l_f:g} m, the least, starts with all {len(self.nuclei)} bodies",
+            )
         if not full:
             check_places(self._conditions, start, case.discretization.l_f, start=True)
         self.system = self._equations(start)

@@ -29,6 +29,7 @@ from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.reactions import Carried, Reactions, carried, reactions
 from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.equilibrium.team import ALONE, Team
+from fissura.errors import InputError
 from fissura.material import Material, Regions
 from fissura.specimen import Conditions
 from fissura.tessellation import Tessellation
@@ -106,6 +107,11 @@ class System:
     team : Team
         Threads for linear solvers.
 
+    Raises
+    ------
+    InputError
+        There are no contacts, or ones that the law does not allow.
+
     Attributes
     ----------
     active, passive : (k,), (m - k,) arrays
@@ -128,6 +134,12 @@ class System:
         team: Team = ALONE,
     ) -> None:
         contacts = tessellation.contacts
+        if not len(contacts):
+            raise InputError(
+                "discretization.l_f",
+                "the specimen has no contact between bodies: a single body is rigid",
+                "so small that there are several bodies",
+            )
         self.tessellation = tessellation
         self.material = material
         self.geometry: Kinematics = kinematics(tessellation)

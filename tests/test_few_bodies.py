@@ -1,0 +1,73 @@
+"""Specimens of a few bodies: they run, or are refused with the key that mends it."""
+
+import numpy as np
+import pytest
+
+import fissura
+from equilibrium.models import CONCRETE, beam
+from fissura.check import report
+from fissura.contact import CusatisCedolin
+from fissura.equilibrium import System
+from fissura.errors import InputError
+from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.tessellation import tessellate
+
+#: A pulled cube twice as large as its bodies.
+CUBE = {
+    "specimen": {"size": [0.02, 0.02, 0.02]},
+    "notch": None,
+    "supports": [{"type": "clamp", "face": "left"}],
+    "load": {"face": "right", "at": None, "direction": [1, 0, 0]},
+    "gauge": None,
+    "control": {"type": "displacement", "target": 2e-5},
+    "output": {"vtk": 0},
+}
+
+
+def cube(size=0.02, **spacing):
+    return beam(**{**CUBE, "specimen": {"size": [size] * 3}, "discretization": {"l_f": 0.01, **spacing}})
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_start_of_one_body_is_refused(seed):
+    case = cube(l_c=0.04).model_copy(update={"seed": seed})
+    for attempt in (fissura.run, report):
+        with pytest.raises(InputError, match="the start has 1 body without any contact") as caught:
+            attempt(case)
+        assert caught.value.key == "discretization.l_c"
+        assert "l_f = 0.01 m" in caught.value.allowed
+
+
+def test_what_the_refusal_asks_for_runs():
+    result = fissura.run(cube(l_c=0.01))
+    assert result.summary["bodies_start"] == result.summary["bodies_full"] > 5
+    assert result.summary["status"] == "finished"
+
+
+@pytest.mark.parametrize("more", [{}, {"field": {"length": 0.01}}, {"adaptivity": {"criterion": "rankine"}}])
+@pytest.mark.parametrize("full", [True, False])
+def test_two_bodies_break(more, full):
+    """One contact, as strong as it is wide."""
+    case = beam(**{**CUBE, "specimen": {"size": [0.01] * 3}, "discretization": {"l_f": 0.01, "l_c": 0.01}, **more})
+    result = fissura.run(case, full=full)
+    assert result.summary["bodies_end"] == 2
+    assert result.summary["status"] == "finished"
+    assert result.curve["load_N"][-1] < 0.8 * result.peak_load
+    (area,) = result.last.tessellation.contacts.area
+    assert 0.1 < result.peak_load / (case.material.f_t * area) < 10.0
+
+
+def test_everything_is_written_of_two_bodies(tmp_path):
+    case = beam(**{**CUBE, "specimen": {"size": [0.01] * 3}, "discretization": {"l_f": 0.01, "l_c": 0.01}})
+    fissura.run(case, output=tmp_path)
+    written = {path.name for path in tmp_path.iterdir()}
+    assert {"curve.csv", "summary.json", "state_last.npz", "section.npz", "curve.png", "crack.png"} <= written
+
+
+def test_equations_without_contacts_are_refused():
+    case = cube(l_c=0.01)
+    box = specimen_from_case(case)
+    alone = tessellate(np.full((1, 3), 0.01), box, np.full(1, 0.02))
+    with pytest.raises(InputError, match="a single body is rigid") as caught:
+        System(alone, CONCRETE, CusatisCedolin, conditions_from_case(case, box))
+    assert caught.value.key == "discretization.l_f"
