@@ -104,7 +104,7 @@ def test_tables_and_files(small, tmp_path):
     heads, rows = request.layer_table(small)
     assert [row[:2] for row in rows][:2] == [["prism, gauge", "0.3"], ["prism, gauge", "1"]]
     names = request.write(small, tmp_path, 60e9)
-    assert sorted(names) == sorted(path.name for path in tmp_path.iterdir())
+    assert sorted(names) == sorted(path.name for path in tmp_path.glob("[!.]*"))
     with (tmp_path / "elastic.csv").open() as file:
         table = list(csv.DictReader(file))
     assert len(table) == 12

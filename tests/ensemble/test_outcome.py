@@ -204,4 +204,4 @@ def test_a_new_ensemble_removes_the_earlier_one_and_nothing_else(tiny: Build, tm
     store.write(compute(Plan(tiny(), 1).run(1)))
     (tmp_path / "notes.txt").write_text("mine")
     store.begin(Plan(tiny(), 1, master=2))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.json", "ensemble.json", "notes.txt"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".fissura", "case.json", "ensemble.json", "notes.txt"]

@@ -90,11 +90,11 @@ def _study(
     """Compute, print and write a study of elastic constants."""
     from rich.progress import Progress
 
-    from fissura.api import prepare_folder
     from fissura.elasticity import request
     from fissura.elasticity.study import structure_seeds, study
+    from fissura.folder import prepare_folder
 
-    folder = prepare_folder(output, overwrite=overwrite)
+    folder = prepare_folder(output, "elastic", overwrite=overwrite)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("structures", total=None)
         found = study(

@@ -28,6 +28,7 @@ def compare(
 ) -> None:
     """Compare two runs: a table of differences, and a picture of both curves."""
     with errors():
+        from fissura.folder import claimed
         from fissura.results.compare import compare as compare_folders
 
         with warnings(Console(stderr=True)):
@@ -36,6 +37,8 @@ def compare(
         picture = plot if plot is not None else a / "compare.png"
         check_ending(picture, "--plot")
         with writing(picture, "--plot"):
+            if plot is None:
+                claimed(picture, "--plot")
             comparison.plot(picture)
         typer.echo(f"picture: {picture}")
         if bodies:
@@ -43,6 +46,8 @@ def compare(
 
             beside = picture.with_name(f"{picture.stem}_bodies{picture.suffix}")
             with writing(beside, "--plot"):
+                if plot is None:
+                    claimed(beside, "--plot")
                 plot_bodies(comparison, beside)
             typer.echo(f"picture: {beside}")
 
@@ -54,11 +59,14 @@ def moments(
 ) -> None:
     """Draw bodies and crack at four moments of a run, and its curve."""
     with errors():
+        from fissura.folder import claimed
         from fissura.results.moments import plot_moments
 
         path = output if output is not None else folder / "moments.png"
         check_ending(path, "--output")
         with writing(path, "--output"):
+            if output is None:
+                claimed(path, "--output")
             plot_moments(folder, path, stress=stress)
         typer.echo(f"picture: {path}")
 
@@ -75,9 +83,12 @@ def animate(
 ) -> None:
     """Animate a run: bodies grow finer, the crack opens, the curve grows."""
     with errors():
+        from fissura.folder import claimed
         from fissura.results.animation import animate as write_animation
 
         path = output if output is not None else folder / "refinement.gif"
         with writing(path, "--output"):
+            if output is None:
+                claimed(path, "--output")
             count = write_animation(folder, path, fps=fps, width=size, stress=stress)
         typer.echo(f"animation: {path}, {count} frames")

@@ -11,6 +11,7 @@ from fissura.bulk import bulk_law, voigt
 from fissura.case.units import NUMBER, STRESS, Dimension, to_si
 from fissura.errors import InputError
 from fissura.files import write_atomically
+from fissura.folder import Folder
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -233,7 +234,9 @@ def write(found: Study, folder: Path, E: float | None = None) -> list[str]:
 
     # The picture over sizes shows one alpha: the one nearest to that of concrete.
     shown = min(found.alphas, key=lambda alpha: abs(alpha - _CONCRETE))
-    write_csv(found, folder / "elastic.csv", E)
-    plot_alpha(found, folder / "elastic_alpha.png")
-    plot_size(found, folder / "elastic_size.png", shown)
-    return ["elastic.csv", "elastic_alpha.png", "elastic_size.png"]
+    names = ["elastic.csv", "elastic_alpha.png", "elastic_size.png"]
+    Folder.begun(folder, "elastic").add(*names)
+    write_csv(found, folder / names[0], E)
+    plot_alpha(found, folder / names[1])
+    plot_size(found, folder / names[2], shown)
+    return names

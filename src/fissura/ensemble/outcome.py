@@ -113,7 +113,7 @@ def compute(task: Task) -> Outcome:
             if task.keep:
                 with tempfile.TemporaryDirectory(prefix="fissura_") as folder:
                     outcome = _computed(task, Path(folder))
-                    files = {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
+                    files = {path.name: path.read_bytes() for path in sorted(Path(folder).glob("[!.]*"))}
                     return Outcome(**{**vars(outcome), "files": files})
             return _computed(task, None)
         except Exception as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
+from functools import partial
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +13,9 @@ import numpy as np
 from fissura.ensemble.pictures import PICTURES
 from fissura.ensemble.statistics import QUANTITIES
 from fissura.files import write_atomically
+from fissura.folder import Folder
 from fissura.results import quantities as text
-from fissura.results.lettering import rendered
+from fissura.results.lettering import attempted, rendered
 from fissura.results.pictures import DPI
 from fissura.results.summary import versions
 
@@ -76,16 +78,20 @@ def write_report(result: EnsembleResult) -> None:
 
 
 def _pictures(result: EnsembleResult) -> list[dict[str, str]]:
-    folder = result.folder / "pictures"
+    folder, own = result.folder / "pictures", Folder.kept(result.folder, "ensemble")
     folder.mkdir(exist_ok=True)
     shown = []
     for name, (draw, caption) in PICTURES.items():
-        figure = draw(result)
+        figure = attempted(f"{name}.png", partial(draw, result))
         path = folder / f"{name}.png"
         if figure is None:
-            path.unlink(missing_ok=True)
+            if f"pictures/{path.name}" in own.names():
+                path.unlink(missing_ok=True)
             continue
-        data = rendered(figure, form="png", dpi=DPI)
+        own.add(f"pictures/{path.name}")
+        data = attempted(path.name, partial(rendered, figure, form="png", dpi=DPI))
+        if data is None:
+            continue
         write_atomically(path, data)
         note = TEXTS[name]
         if name == "convergence" and result.plan.sampling == "latin-hypercube":

@@ -158,13 +158,13 @@ def _leading_modes(plan: Plan, asked: int | None) -> int:
 
 def _folder(output: str | Path, plan: Plan, *, resume: bool, overwrite: bool) -> Store:
     """The folder, ready to be written to."""
-    from fissura.api import prepare_folder
+    from fissura.folder import prepare_folder
 
     if resume and overwrite:
         raise InputError("--resume", "is given together with --overwrite", "one of them")
     if resume and not Path(output).is_dir():
         raise InputError("--resume", f"there is no folder {output}", "the folder of an ensemble")
-    store = Store(prepare_folder(output, overwrite=overwrite or resume))
+    store = Store(prepare_folder(output, "ensemble", overwrite=overwrite, go_on=resume))
     if resume:
         warning = store.resume(plan)
         if warning:

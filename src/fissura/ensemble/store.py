@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from fissura.ensemble.kept import FOLDERS, Kept, kept
 from fissura.ensemble.plan import Kind, Plan
 from fissura.errors import InputError
-from fissura.files import sync_folder, write_atomically, write_json
+from fissura.files import part_of, sync_folder, write_atomically, write_json
+from fissura.folder import Folder
 from fissura.results.curve import COLUMNS, CurveWriter
 from fissura.results.summary import FORMAT_VERSION, read_summary, versions, write_summary
 
@@ -22,10 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["Store", "describe"]
 
 OWN = (
-    *FOLDERS.values(),
-    "pictures",
     "ensemble.json",
-    "case.toml",
     "case.json",
     "runs.csv",
     "runs.parquet",
@@ -33,7 +30,7 @@ OWN = (
     "statistics.json",
     "report.html",
 )
-"""Files and folders of an ensemble, removed before a new one in the same place; nothing else is touched."""
+"""Files that every ensemble gets, beside its realisations and pictures."""
 
 FREE = {"runs", "companions", "keep"}
 """What may differ when an ensemble is resumed, with Monte Carlo sampling."""
@@ -70,17 +67,15 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self._own: Folder | None = None
 
     def begin(self, plan: Plan) -> None:
-        """Start a new ensemble: remove what an earlier one left, and write down the plan."""
-        for name in OWN:
-            path = self.folder / name
-            if path.is_dir():
-                shutil.rmtree(path)
-            else:
-                path.unlink(missing_ok=True)
+        """Start a new ensemble: remove the files of an earlier one, and write down the plan."""
+        self._own = Folder.begun(self.folder, "ensemble")
+        self._own.add(*OWN)
         source = plan.case.source
         if isinstance(source, str):
+            self._own.add("case.toml")
             write_atomically(self.folder / "case.toml", source.encode())
         self._write_plan(plan)
 
@@ -112,9 +107,11 @@ class Store:
                 f"{key} was {was!r} and is now {now!r}",
                 f"what {self.folder} was begun with, or --overwrite",
             )
+        self._own = Folder.kept(self.folder, "ensemble")
+        self._own.add(*OWN)
         for name in FOLDERS.values():
-            for part in self.folder.glob(f"{name}/.*.part"):
-                shutil.rmtree(part, ignore_errors=True)
+            for part in self.folder.glob(f"{name}/.[0-9]*.part"):
+                Folder(part).remove()
         self._write_plan(plan)
         now_used = versions()
         other = [
@@ -151,22 +148,25 @@ class Store:
         """
         task = outcome.task
         place = self.place(task.kind, task.number)
-        part = place.with_name(f".{place.name}.part")
-        shutil.rmtree(part, ignore_errors=True)
-        part.mkdir(parents=True)
+        part = part_of(place)
+        part.mkdir(parents=True, exist_ok=True)
+        if self._own is None:
+            self._own = Folder.kept(self.folder, "ensemble")
+        self._own.add(f"{FOLDERS[task.kind]}/{place.name}/")
         try:
             summary = self._fill(part, outcome)
-            if place.exists():
-                shutil.rmtree(place)
-            os.replace(part, place)
+            Folder(place).remove()
+            _move(part, place)
             sync_folder(place.parent)
         except OSError:
-            shutil.rmtree(part, ignore_errors=True)
+            Folder(part).remove()
             raise
         return summary
 
     def _fill(self, part: Path, outcome: Outcome) -> dict[str, Any]:
         task, curve = outcome.task, outcome.curve
+        own = Folder.begun(part, "run")
+        own.add(*outcome.files, "curve.csv", "case.json", "summary.json", *(["error.txt"] if outcome.details else []))
         for name, data in outcome.files.items():
             write_atomically(part / name, data)
         writer = CurveWriter(part / "curve.csv", COLUMNS if curve is None else list(curve))
@@ -197,6 +197,16 @@ class Store:
         }
         write_summary(part / "summary.json", summary)
         return summary
+
+
+def _move(part: Path, place: Path) -> None:
+    """Move a folder into its place, or its files where something of the user is left there; the summary last."""
+    if not place.exists():
+        os.replace(part, place)
+        return
+    for path in sorted(part.iterdir(), key=lambda path: path.name == "summary.json"):
+        os.replace(path, place / path.name)
+    part.rmdir()
 
 
 def _changes(old: Any, new: Any, free: set[str], key: str = "") -> Iterator[tuple[str, Any, Any]]:

@@ -36,7 +36,7 @@ def run_study(
     plan : LoadedPlan
         The study.
     folder : path
-        Where records are kept; made if needed.
+        Where records are kept; made if needed. It may hold nothing else.
     workers : int, optional
         Processes that run at the same time.
     again : collection of str, optional
@@ -55,19 +55,21 @@ def run_study(
     KeyboardInterrupt
         The user interrupts; all finished runs are saved.
     """
-    from fissura.api import prepare_folder
+    from fissura.folder import Folder, prepare_folder
     from fissura.study.outcome import outcome_of
     from fissura.study.pool import run_tasks
     from fissura.study.store import check_names, split
 
     check_names(plan, again)
-    folder = prepare_folder(folder, overwrite=True)
+    folder = prepare_folder(folder, "study", go_on=True)
+    own = Folder.kept(folder, "study")
     tasks = list(plan.tasks())
     done, left = split(tasks, folder, again)
     if run and left:
         count = len(left)
         if on_start is not None:
             on_start(plan, count, len(done))
+        own.add(*(task.path.as_posix() for task in left))
         for task in left:  # what is to be run again must not count as done after an interruption
             (folder / task.path).unlink(missing_ok=True)
 
@@ -83,8 +85,17 @@ def run_study(
 
 
 def write_outcome(outcome: Outcome, folder: str | Path) -> list[Path]:
-    """Write tables and pictures of a study; returns the files."""
-    from fissura.study.pictures import draw
+    """Write tables and pictures of a study; returns the files.
+
+    Raises
+    ------
+    InputError
+        The folder holds something else, or cannot be written.
+    """
+    from fissura.folder import Folder, prepare_folder
+    from fissura.study.pictures import PICTURES, draw
     from fissura.study.report import write_tables
 
-    return [*write_tables(outcome, Path(folder)), *draw(outcome, Path(folder))]
+    folder = prepare_folder(folder, "study", go_on=True)
+    Folder.kept(folder, "study").add("runs.csv", "study.md", *PICTURES)
+    return [*write_tables(outcome, folder), *draw(outcome, folder)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fissura.results.lettering import legend_below, literal, may_shrink, save
+from fissura.results.lettering import attempted, legend_below, literal, may_shrink, save
 from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
@@ -19,19 +20,21 @@ from fissura.study.outcome import Outcome
 from fissura.study.statistics import correlations, localisation, pareto, spread, twins
 from fissura.study.style import COLOURS, FLOOR, MARKERS, SOFT, few, plain
 
-__all__ = ["draw", "plot_errors", "plot_indicators", "plot_places", "plot_tradeoff"]
+__all__ = ["PICTURES", "draw", "plot_errors", "plot_indicators", "plot_places", "plot_tradeoff"]
+
+PICTURES = ("tradeoff.png", "errors.png", "indicators.png", "places.png")
+"""Names of the files."""
 
 
 def draw(outcome: Outcome, folder: Path) -> list[Path]:
-    """Draw every picture for which there are runs; returns what was written."""
+    """Draw every picture for which there are runs, and that can be drawn; returns what was written."""
     folder.mkdir(parents=True, exist_ok=True)
-    pictures = (
-        (plot_tradeoff, "tradeoff.png"),
-        (plot_errors, "errors.png"),
-        (plot_indicators, "indicators.png"),
-        (plot_places, "places.png"),
-    )
-    return [folder / name for plot, name in pictures if plot(outcome, folder / name)]
+    plots = (plot_tradeoff, plot_errors, plot_indicators, plot_places)
+    return [
+        folder / name
+        for plot, name in zip(plots, PICTURES, strict=True)
+        if attempted(name, partial(plot, outcome, folder / name))
+    ]
 
 
 def plot_tradeoff(outcome: Outcome, path: Path) -> bool:
