@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import logging
-import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.case import Case, load_case
 from fissura.case.types import whole
 from fissura.case.units import show
-from fissura.errors import InputError, RunStopped
+from fissura.errors import FissuraError, InputError, RunStopped
+from fissura.folder import prepare_folder
+from fissura.interrupts import shielded
 from fissura.memory import require_memory
 
 if TYPE_CHECKING:
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
     from fissura.simulation import Simulation
     from fissura.step import Step
 
-__all__ = ["prepare_folder", "run"]
+__all__ = ["run"]
 
 logger = logging.getLogger(__name__)
 
@@ -46,7 +48,7 @@ def run(
     output : path, optional
         Folder for the results; None keeps them in memory only.
     overwrite : bool, optional
-        Whether the folder may hold earlier results, which are replaced.
+        Whether the folder may hold an earlier run, whose files are replaced; nothing else in it is touched.
     seed : int, optional
         Replaces the seed of the case.
     on_start : callable, optional
@@ -67,16 +69,17 @@ def run(
         If the run cannot go on. Everything up to then is saved; its attribute ``result`` holds it.
     KeyboardInterrupt
         If the user interrupts; saved as before, attribute ``result`` as before.
+    OSError
+        If a file cannot be written; what could be written is saved, attribute ``result`` as before.
     """
     if not isinstance(case, Case):
         case = load_case(case)
     if seed is not None:
         case = with_seed(case, seed)
-    folder = None if output is None else prepare_folder(output, overwrite=overwrite)
+    folder = None if output is None else prepare_folder(output, "run", overwrite=overwrite)
     require_memory(case, full=full)
 
     from fissura.results.measured import read_measured
-    from fissura.results.recorder import Recorder
     from fissura.simulation import Simulation
 
     if case.output.measured is not None:
@@ -86,25 +89,39 @@ def run(
         logger.warning(notice)
     if on_start is not None:
         on_start(simulation)
-    return _record(simulation, Recorder(simulation, folder), on_step)
+    return _recorded(simulation, folder, on_step)
 
 
-def _record(simulation: Simulation, recorder: Recorder, on_step: Callable[[Step], None] | None) -> Result:
+def _recorded(simulation: Simulation, folder: Path | None, on_step: Callable[[Step], None] | None) -> Result:
     """Step to the end, recording; save whatever there is when the run ends early."""
+    from fissura.results.recorder import Recorder
+
     number, controlled = 0, 0.0
+    recorder: Recorder | None = None
     try:
+        with shielded():
+            recorder = Recorder(simulation, folder)
         for step in simulation.steps():
             recorder.add(step)
             number, controlled = step.number, step.controlled
             if on_step is not None:
                 on_step(step)
     except (RunStopped, MemoryError) as error:
+        if recorder is None:
+            raise
         stop = error if isinstance(error, RunStopped) else RunStopped("out of memory", number + 1, controlled)
         stop.result = recorder.finish("stopped", str(stop))  # type: ignore[attr-defined]
         raise stop from (None if stop is error else error)
     except KeyboardInterrupt as error:
-        message = f"interrupted after step {number}"
-        error.result = recorder.finish("interrupted", message)  # type: ignore[attr-defined]
+        if recorder is not None:
+            error.result = recorder.finish("interrupted", f"interrupted after step {number}")  # type: ignore[attr-defined]
+        raise
+    except BaseException as error:
+        if recorder is not None:
+            status = "refused" if isinstance(error, InputError) else "failed"
+            message = str(error) if isinstance(error, FissuraError) else f"{type(error).__name__}: {error}"
+            with suppress(Exception):  # the first error is the one to tell
+                error.result = recorder.finish(status, message)  # type: ignore[attr-defined]
         raise
     return recorder.finish("finished")
 
@@ -121,38 +138,3 @@ def with_seed(case: Case, seed: int) -> Case:
     if number is None or not 0 <= number < 2**63:
         raise InputError("seed", f"{show(seed)} is not possible", "a whole number, 0 or larger")
     return case.model_copy(update={"seed": number})
-
-
-def prepare_folder(folder: str | Path, *, overwrite: bool) -> Path:
-    """Make sure that results can be written into a folder, before anything is computed.
-
-    Parameters
-    ----------
-    folder : path
-        Made if it does not exist.
-    overwrite : bool
-        Whether it may hold files already. They are left alone here.
-
-    Returns
-    -------
-    Path
-        The folder.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be made or written to, or is not empty and must not be overwritten.
-    """
-    folder = Path(folder)
-    try:
-        if folder.is_dir() and any(folder.iterdir()) and not overwrite:
-            raise InputError("output", f"{folder} is not empty", "a new or empty folder, or --overwrite")
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except FileExistsError:
-        raise InputError("output", f"{folder} is a file", "a folder") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError("output", f"cannot write in {folder}: {reason}", "a writable folder") from None
-    return folder

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-__all__ = ["part_of", "replacing", "sync_folder", "write_atomically", "write_json"]
+__all__ = ["force", "part_of", "replacing", "sync_folder", "write_atomically", "write_json"]
 
 #: What file systems say that cannot force anything to their disk, as some network ones.
 _CANNOT_SYNC = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS}
@@ -51,7 +51,7 @@ def replacing(path: Path) -> Iterator[Path]:
     try:
         yield part
         with part.open("rb+") as file:
-            _force(file.fileno())
+            force(file.fileno())
         os.replace(part, path)
     except BaseException as error:
         part.unlink(missing_ok=True)
@@ -67,12 +67,13 @@ def sync_folder(folder: Path) -> None:
         return
     number = os.open(folder, os.O_RDONLY)
     try:
-        _force(number)
+        force(number)
     finally:
         os.close(number)
 
 
-def _force(number: int) -> None:
+def force(number: int) -> None:
+    """Force an open file to the disk, where its file system can do that."""
     try:
         os.fsync(number)
     except OSError as error:

@@ -14,6 +14,7 @@ import pytest
 
 from fissura.case import Case, case_from_dict, load_case
 from fissura.errors import RunStopped
+from fissura.folder import Folder
 from fissura.results.quantities import force, length
 
 from .fakes import TINY, FakeSimulation, call, recorder
@@ -68,9 +69,17 @@ def test_run_options(tiny: Path, fake: type[FakeSimulation]) -> None:
 def test_run_refuses_a_folder_with_files_before_computing(tiny: Path, fake: type[FakeSimulation]) -> None:
     Path("out").mkdir()
     Path("out/notes.txt").write_text("mine")
+    for option in ([], ["--overwrite"]):
+        done = call("run", tiny, "--output", "out", *option)
+        assert (done.exit_code, fake.built) == (2, [])
+        assert done.stderr.startswith("error: output: out ")
+        assert "files that Fissura did not write" in done.stderr
+    assert [path.name for path in Path("out").iterdir()] == ["notes.txt"]
+    # What is of a run already may be replaced, but not without a word.
+    Folder.begun(Path("out"), "run").add("curve.csv")
     done = call("run", tiny, "--output", "out")
     assert (done.exit_code, fake.built) == (2, [])
-    assert done.stderr.startswith("error: output: out is not empty")
+    assert done.stderr == "error: output: out is not empty (allowed: a new or empty folder, or --overwrite)\n"
     assert call("run", tiny, "--output", "out", "--overwrite").exit_code == 0
     assert Path("out/notes.txt").read_text() == "mine"
 

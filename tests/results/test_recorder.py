@@ -1,11 +1,17 @@
 import json
 import logging
+import os
+import signal
+import sys
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import fissura.results.curve as curve_module
+import fissura.results.recorder as recorder_module
 from fissura.errors import InputError
+from fissura.interrupts import interruptible
 from fissura.results import Recorder, Result, read_curve
 
 from .synthetic import simulation, snapping, steps
@@ -56,7 +62,7 @@ def test_files_of_a_run(tmp_path):
     result = record(folder)
     vtu = {f"{kind}_{number:04d}.vtu" for kind in ("bodies", "contacts") for number in (3, 5, 10)}
     others = {
-        "bodies.pvd", "contacts.pvd", "case.json", "curve.csv", "curve.png", "crack.png", "summary.json",
+        ".fissura", "bodies.pvd", "contacts.pvd", "case.json", "curve.csv", "curve.png", "crack.png", "summary.json",
         "state_last.npz", "section.npz",
     }  # fmt: skip
     assert {p.name for p in folder.iterdir()} == vtu | others
@@ -145,6 +151,138 @@ def test_warnings_are_logged(caplog):
     with caplog.at_level(logging.WARNING):
         recorder.finish("finished")
     assert "1.50 times their strength" in caplog.text
+
+
+def test_only_files_of_the_earlier_run_are_removed(tmp_path):
+    record(tmp_path, vtk=1)
+    for name in ("bodies_9999.vtu", "contacts_0001.vtu", "moments.png", "photo.jpg"):
+        (tmp_path / name).write_text("mine")
+    record(tmp_path, LOADS[:2], vtk=0)
+    for name in ("bodies_9999.vtu", "contacts_0001.vtu", "moments.png", "photo.jpg"):
+        assert (tmp_path / name).read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.glob("*.vtu")) == ["bodies_9999.vtu", "contacts_0001.vtu"]
+
+
+def statuses(folder, monkeypatch):
+    """Every status that is written from here on, with the files that are there then."""
+    found, write = [], recorder_module.write_summary
+
+    def note(path, summary):
+        found.append((summary["status"], {p.name for p in folder.iterdir()}))
+        write(path, summary)
+
+    monkeypatch.setattr(recorder_module, "write_summary", note)
+    return found
+
+
+def test_the_final_status_comes_last(tmp_path, monkeypatch):
+    found = statuses(tmp_path, monkeypatch)
+    record(tmp_path)
+    assert [status for status, _ in found[:-1]] == ["running"] * (len(found) - 1)
+    status, files = found[-1]
+    assert status == "finished"
+    assert {"state_last.npz", "section.npz", "crack.png", "curve.png", "bodies_0010.vtu"} <= files
+
+
+def test_the_summary_is_not_written_after_every_step(tmp_path, monkeypatch):
+    found = statuses(tmp_path, monkeypatch)
+    now = [0.0]
+    monkeypatch.setattr(recorder_module.time, "monotonic", lambda: now[0])
+    recorder = Recorder(simulation(vtk=0), tmp_path)
+    for step in steps(LOADS):
+        now[0] += 0.3
+        recorder.add(step)
+    assert len(found) == 1 + 2  # at the start, and each time a second has passed
+    recorder.finish("finished")
+    assert len(found) == 4
+
+
+@pytest.mark.parametrize("error", [ValueError("bad font"), MemoryError(), OSError("full")])
+def test_no_picture_ends_a_run(tmp_path, monkeypatch, caplog, error):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr("fissura.results.crack_picture.plot_crack", fail)
+    monkeypatch.setattr("fissura.results.pictures.plot_curve", fail)
+    result = record(tmp_path)
+    assert result.summary["status"] == Result.load(tmp_path).summary["status"] == "finished"
+    for name in ("crack.png", "curve.png"):
+        assert f"{name} was not drawn: {str(error) or 'MemoryError'}" in caplog.text
+
+
+def test_an_interruption_while_pictures_are_drawn_keeps_everything_else(tmp_path, monkeypatch):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("fissura.results.crack_picture.plot_crack", interrupt)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        record(tmp_path)
+    assert caught.value.result.steps == 10
+    again = Result.load(tmp_path)
+    assert again.summary["status"] == "finished"
+    assert list(again.snapshots) == [10]
+    assert (tmp_path / "section.npz").exists()
+    assert not (tmp_path / "curve.png").exists()
+
+
+def test_a_full_disk_at_the_end_is_no_finished_run(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device", "state_last.npz")
+
+    monkeypatch.setattr(recorder_module, "write_state", full)
+    with pytest.raises(OSError, match="No space left") as caught:
+        record(tmp_path)
+    assert caught.value.result.steps == 10
+    summary = Result.load(tmp_path).summary
+    assert summary["status"] == "failed"
+    assert "not all files could be written" in summary["message"]
+    assert "No space left" in summary["message"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends signals")
+def test_a_signal_waits_until_a_step_is_recorded(tmp_path, monkeypatch):
+    recorder = Recorder(simulation(), tmp_path)
+    first, second = steps(LOADS)[:2]
+    recorder.add(first)
+    writer, write = recorder._curve, recorder._curve.write
+
+    def interrupted(values):
+        os.kill(os.getpid(), signal.SIGTERM)
+        write(values)
+
+    monkeypatch.setattr(writer, "write", interrupted)
+    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    try:
+        with interruptible(lambda _: None), pytest.raises(KeyboardInterrupt):
+            recorder.add(second)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    result = recorder.finish("interrupted")
+    assert result.steps == len(read_curve(tmp_path)["step"]) == 2
+    assert list(Result.load(tmp_path).snapshots) == [2]
+
+
+def test_recording_costs_the_same_at_every_step(tmp_path, monkeypatch):
+    """What is looked at for a step does not grow with the steps before it."""
+    rows = [0]
+    make = curve_module.columns
+
+    def count(some):
+        some = list(some)
+        rows[0] += len(some)
+        return make(some)
+
+    monkeypatch.setattr(curve_module, "columns", count)
+    written, now = [], iter(range(10**6))
+    monkeypatch.setattr(recorder_module, "write_summary", lambda path, summary: written.append(summary["steps"]))
+    monkeypatch.setattr(recorder_module.time, "monotonic", lambda: next(now))  # a summary for every step
+    recorder = Recorder(simulation(vtk=0), tmp_path)
+    recorder._history = SimpleNamespace(add=lambda _: None, write=lambda _: None)
+    for step in steps([100.0] * 200):
+        recorder.add(step)
+    assert written == list(range(201))
+    assert rows[0] == 200
+    assert len(recorder.finish("stopped").curve["step"]) == 200
 
 
 def test_run_survives_a_measured_band_that_has_gone(tmp_path, caplog):

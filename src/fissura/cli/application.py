@@ -9,10 +9,12 @@ from typing import Annotated
 
 import typer
 
+from fissura.cli.console import NOT_WRITTEN, say
 from fissura.cli.elastic import elastic
 from fissura.cli.ensemble import ensemble
 from fissura.cli.pictures import animate, compare, moments
 from fissura.cli.running import check, new, run
+from fissura.cli.streams import forgiving, unwritten
 from fissura.cli.study import study
 
 __all__ = ["app", "main", "start_light"]
@@ -30,12 +32,19 @@ for command in (run, check, new, compare, moments, animate, elastic, ensemble, s
 
 
 def main() -> None:
-    """Run the command line; errors of the user end it with one message, never with a traceback."""
+    """Run the command line; errors of the user end it with one message, never with a traceback.
+
+    Output that nobody reads any more does not end it; output for which a disk has no room makes it fail at its end.
+    """
     start_light()
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
-    app()
+    sys.stdout, sys.stderr = forgiving(sys.stdout), forgiving(sys.stderr)
+    try:
+        app()
+    finally:
+        problem = unwritten(sys.stdout)
+        if problem:
+            say(f"error: standard output: cannot be written: {problem}")
+            raise SystemExit(NOT_WRITTEN)
 
 
 def start_light() -> None:

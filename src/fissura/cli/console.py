@@ -68,12 +68,14 @@ def _saved(error: BaseException) -> str:
     if result is None or result.folder is None:
         return "; nothing was saved"
     steps = len(result.curve["step"])
-    return f"; the {steps} steps before it are saved in {result.folder}: {file_names(result.folder)}"
+    done = result.summary.get("status") == "finished"
+    which = f"while pictures were drawn; all {steps} steps are" if done else f"the {steps} steps before it are"
+    return f"{' ' if done else '; '}{which} saved in {result.folder}: {file_names(result.folder)}"
 
 
 def file_names(folder: Path) -> str:
-    """Names of the files in a folder."""
-    return ", ".join(sorted(path.name for path in folder.iterdir() if path.is_file()))
+    """Names of the files in a folder, hidden ones left out."""
+    return ", ".join(sorted(path.name for path in folder.glob("[!.]*") if path.is_file()))
 
 
 def not_written(error: OSError, where: str | Path, kept: str = "") -> typer.Exit:

@@ -12,12 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
+from fissura.files import force
 
 if TYPE_CHECKING:
     from fissura.case import Quantity
     from fissura.step import Step
 
-__all__ = ["COLUMNS", "COLUMN_OF", "Curve", "CurveWriter", "Row", "columns", "read_curve", "row", "support_columns"]
+__all__ = [
+    "COLUMNS",
+    "COLUMN_OF",
+    "Curve",
+    "CurveWriter",
+    "GrowingCurve",
+    "Row",
+    "columns",
+    "read_curve",
+    "row",
+    "support_columns",
+]
 
 Curve = dict[str, NDArray[Any]]
 """Column name -> 1-D array, one entry per step; int64 for counts, text, float64 for all others."""
@@ -150,6 +162,27 @@ def columns(rows: Iterable[Mapping[str, float | str]]) -> Curve:
     return {name: np.array([r[name] for r in rows], dtype=_dtype(name)) for name in (rows[0] if rows else COLUMNS)}
 
 
+class GrowingCurve:
+    """A curve that grows by one row at a time; its columns are made of the rows that are new only."""
+
+    def __init__(self) -> None:
+        self._rows: list[Row] = []
+        self._curve: Curve | None = None
+
+    def add(self, values: Row) -> None:
+        """Append a row."""
+        self._rows.append(values)
+
+    def columns(self) -> Curve:
+        """Columns of all rows so far."""
+        if self._rows or self._curve is None:
+            more, self._rows, before = columns(self._rows), [], self._curve
+            if before is not None and len(before["step"]):
+                more = {name: np.concatenate([before[name], values]) for name, values in more.items()}
+            self._curve = more
+        return self._curve
+
+
 class CurveWriter:
     """Writes ``curve.csv`` row by row, so that a run that is killed keeps its curve.
 
@@ -174,8 +207,11 @@ class CurveWriter:
         self._file.flush()
 
     def close(self) -> None:
-        """Close the file; may be called twice."""
-        self._file.close()
+        """Force the file to the disk and close it; may be called twice."""
+        if not self._file.closed:
+            self._file.flush()
+            force(self._file.fileno())
+            self._file.close()
 
 
 def read_curve(path: str | Path) -> Curve:

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.results import quantities as text
-from fissura.results.curve import COLUMN_OF, Curve, read_curve
+from fissura.results.curve import COLUMN_OF, COLUMNS, Curve, read_curve
 from fissura.results.peak import peak_position
 from fissura.results.state import read_state
-from fissura.results.summary import read_summary
+from fissura.results.summary import curve_numbers, read_summary
 
 if TYPE_CHECKING:
     from fissura.case import Case, Quantity
@@ -71,6 +71,8 @@ class Result:
         if not folder.is_dir():
             raise InputError(str(folder), "there is no such folder", "the folder of a Fissura run")
         curve, summary = read_curve(folder / "curve.csv"), read_summary(folder / "summary.json")
+        if summary.get("status") == "running" and set(COLUMNS) <= set(curve):
+            summary |= curve_numbers(curve)  # it is written every second only, the curve after every step
         path = folder / "case.json"
         try:
             data = json.loads(path.read_text(encoding="utf-8"))

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FORMAT_VERSION",
     "build_summary",
+    "curve_numbers",
     "peak_memory",
     "read_summary",
     "write_summary",
@@ -49,7 +50,7 @@ def build_summary(
     curve : Curve
         Its curve so far, may be empty.
     status : str
-        ``"running"``, ``"finished"``, ``"stopped"`` or ``"interrupted"``.
+        ``"running"``, ``"finished"``, ``"stopped"``, ``"interrupted"``, ``"refused"`` or ``"failed"``.
     message : str
         Why it stopped, or ``""``.
     cpu_s, wall_s : float
@@ -62,11 +63,8 @@ def build_summary(
         documented in ``docs/files.md``.
     """
     case = simulation.case
-    steps = len(curve["step"])
-    peak = peak_position(curve["load_N"]) if steps else None
-    iterations, work = int(curve["iterations"].sum()), _last(curve, "work_J")
-    stored, dissipated, exchanged = (_last(curve, f"{name}_J") for name in ("stored", "dissipated", "exchanged"))
-    used = _largest(curve["max_elastic_utilisation"])
+    numbers = curve_numbers(curve)
+    used = numbers["max_elastic_utilisation"]
     bound = (
         None
         if simulation.full or used is None
@@ -81,36 +79,16 @@ def build_summary(
         "seed": case.seed,
         "criterion": case.adaptivity.criterion,
         "field": _field(simulation),
-        "peak_load_N": None if peak is None else curve["load_N"][peak],
-        "gauge_at_peak_m": None if peak is None else curve["gauge_m"][peak],
-        "gauge_at_end_m": _last(curve, "gauge_m"),
         "controlled": case.quantity,
-        "load_displacement_at_peak_m": None if peak is None else curve["load_displacement_m"][peak],
-        "initial_stiffness_N_per_m": simulation.initial_stiffness if steps else None,
-        "dissipated_energy_J": dissipated,
-        "stored_J": stored,
-        "work_J": work,
-        "exchanged_J": exchanged,
-        "energy_balance_error": (work + exchanged - stored - dissipated) / work if work else None,
-        "unbalanced_force": _unbalanced(curve, "unbalanced_N"),
-        "unbalanced_arm_m": _unbalanced(curve, "unbalanced_Nm"),
+        **numbers,
+        "initial_stiffness_N_per_m": simulation.initial_stiffness if numbers["steps"] else None,
         "elastic_scale": simulation.elastic_scale,
-        "max_elastic_utilisation": used,
         "load_error_bound": bound,
         "tolerance": case.adaptivity.tolerance,
         "bodies_start": simulation.bodies_start,
-        "bodies_end": _last(curve, "bodies"),
         "bodies_full": simulation.bodies_full,
         "nuclei_given": simulation.nuclei_given,
         "nuclei_added": simulation.bodies_full - simulation.nuclei_given,
-        "steps": steps,
-        "steps_led_by_energy": (curve["control"] == "dissipation").sum(),
-        "refinements": curve["refinements"].sum(),
-        "coarsenings": curve["coarsenings"].sum(),
-        "iterations": iterations,
-        "linear_iterations": curve["linear_iterations"].sum(),
-        "factorizations": curve["factorizations"].sum(),
-        "iterations_per_step": iterations / steps if steps else None,
         "cpu_s": cpu_s,
         "cpu_repeated_s": simulation.cpu_repeated,
         "cpu_refining_s": simulation.cpu_refining,
@@ -120,7 +98,7 @@ def build_summary(
             str(notice)
             for notice in (
                 *simulation.notices,
-                *(negative_before_peak(curve["load_N"], curve["gauge_m"]) if steps else ()),
+                *(negative_before_peak(curve["load_N"], curve["gauge_m"]) if numbers["steps"] else ()),
                 *torn_at_places(curve),
                 *refined_late(curve),
                 *_beyond(case.adaptivity.tolerance, bound),
@@ -129,6 +107,38 @@ def build_summary(
         "versions": versions(),
     }
     return {key: _plain(value) for key, value in summary.items()}
+
+
+def curve_numbers(curve: Curve) -> dict[str, Any]:
+    """What a summary tells of a curve alone, which may be empty."""
+    steps = len(curve["step"])
+    peak = peak_position(curve["load_N"]) if steps else None
+    iterations, work = int(curve["iterations"].sum()), _last(curve, "work_J")
+    stored, dissipated, exchanged = (_last(curve, f"{name}_J") for name in ("stored", "dissipated", "exchanged"))
+    numbers = {
+        "peak_load_N": None if peak is None else curve["load_N"][peak],
+        "gauge_at_peak_m": None if peak is None else curve["gauge_m"][peak],
+        "load_displacement_at_peak_m": None if peak is None else curve["load_displacement_m"][peak],
+        "gauge_at_end_m": _last(curve, "gauge_m"),
+        "dissipated_energy_J": dissipated,
+        "stored_J": stored,
+        "work_J": work,
+        "exchanged_J": exchanged,
+        "energy_balance_error": (work + exchanged - stored - dissipated) / work if work else None,
+        "unbalanced_force": _unbalanced(curve, "unbalanced_N"),
+        "unbalanced_arm_m": _unbalanced(curve, "unbalanced_Nm"),
+        "max_elastic_utilisation": _largest(curve["max_elastic_utilisation"]),
+        "bodies_end": _last(curve, "bodies"),
+        "steps": steps,
+        "steps_led_by_energy": (curve["control"] == "dissipation").sum(),
+        "refinements": curve["refinements"].sum(),
+        "coarsenings": curve["coarsenings"].sum(),
+        "iterations": iterations,
+        "linear_iterations": curve["linear_iterations"].sum(),
+        "factorizations": curve["factorizations"].sum(),
+        "iterations_per_step": iterations / steps if steps else None,
+    }
+    return {key: _plain(value) for key, value in numbers.items()}
 
 
 def _unbalanced(curve: Curve, name: str) -> float | None:

@@ -18,10 +18,13 @@ from fissura.results.vtu import POLYGON, POLYHEDRON, Grid, write_vtu
 if TYPE_CHECKING:
     from fissura.step import Snapshot
 
-__all__ = ["bodies_grid", "contacts_grid", "write_series", "write_snapshot"]
+__all__ = ["SERIES", "bodies_grid", "contacts_grid", "file_name", "write_series", "write_snapshot"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+SERIES = ("bodies", "contacts")
+"""Names of the series of files."""
 
 SYMMETRIC = ((0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2))
 """Rows and columns of a symmetric tensor in ParaView's order XX, YY, ZZ, XY, YZ, XZ."""
@@ -116,7 +119,7 @@ def contacts_grid(snapshot: Snapshot) -> Grid:
 
 def write_snapshot(folder: Path, number: int, snapshot: Snapshot) -> None:
     """Write ``bodies_NNNN.vtu`` and ``contacts_NNNN.vtu`` (compressed binary) of a step."""
-    for kind, grid in (("bodies", bodies_grid), ("contacts", contacts_grid)):
+    for kind, grid in zip(SERIES, (bodies_grid, contacts_grid), strict=True):
         write_vtu(folder / file_name(kind, number), grid(snapshot))
 
 
@@ -134,7 +137,7 @@ def write_series(folder: Path, values: Mapping[int, float]) -> None:
     numbers = sorted(values)
     grows = all(values[a] < values[b] for a, b in pairwise(numbers))
     times = values if grows else {number: float(number) for number in numbers}
-    for kind in ("bodies", "contacts"):
+    for kind in SERIES:
         entries = "".join(
             f'    <DataSet timestep="{times[number]:.9g}" part="0" file={quoteattr(file_name(kind, number))}/>\n'
             for number in numbers
