@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -54,10 +53,4 @@ def few_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def inline(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compute in this process, one after another."""
-
-    @contextmanager
-    def connected(*arguments: Any) -> Iterator[None]:
-        yield None
-
-    monkeypatch.setattr(runner, "connected", connected)
-    monkeypatch.setattr(runner, "outcomes", lambda client, tasks: map(compute, tasks))
+    monkeypatch.setattr(runner, "outcomes", lambda tasks, *rest: (compute(task) for task in tasks))

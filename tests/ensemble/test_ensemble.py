@@ -19,10 +19,11 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
+import fissura.ensemble.cluster as cluster
 import fissura.ensemble.runner as runner
 from fissura.case import Case
 from fissura.cli import app
-from fissura.ensemble.cluster import connected, workers_that_fit
+from fissura.ensemble.cluster import workers_that_fit
 from fissura.ensemble.outcome import Outcome, compute
 from fissura.ensemble.plan import Plan, Task
 from fissura.ensemble.progress import EnsembleProgress
@@ -145,7 +146,7 @@ def test_resume_computes_what_is_missing_and_no_more(tiny: Build, tmp_path: Path
 def test_failures_are_counted_named_and_tried_again(
     tiny_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def some(client: None, tasks: Iterable[Task]) -> Iterator[Outcome]:
+    def some(tasks: Iterable[Task], *rest: Any) -> Iterator[Outcome]:
         for task in tasks:
             error = {2: MemoryError("no room"), 3: InputError("field.length", "too small")}.get(task.number)
             yield compute(task) if error is None else Outcome.failed(task, error)
@@ -173,7 +174,7 @@ def test_failures_are_counted_named_and_tried_again(
 @pytest.mark.usefixtures("inline")
 def test_an_ensemble_of_failures_still_has_a_page(tiny: Build, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        runner, "outcomes", lambda client, tasks: (Outcome.failed(task, MemoryError()) for task in tasks)
+        runner, "outcomes", lambda tasks, *rest: (Outcome.failed(task, MemoryError()) for task in tasks)
     )
     result = run_ensemble(tiny(), 3, output=tmp_path)
     assert (result.count("failed"), result.complete, len(result.peaks)) == (3, False, 0)
@@ -208,7 +209,7 @@ def test_a_disk_that_fills_ends_the_ensemble(tiny_file: Path, tmp_path: Path, mo
 
 @pytest.mark.usefixtures("inline")
 def test_a_scheduler_that_goes_is_no_crash(tiny_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def going(client: None, tasks: Iterable[Task]) -> Iterator[Outcome]:
+    def going(tasks: Iterable[Task], *rest: Any) -> Iterator[Outcome]:
         yield compute(next(iter(tasks)))
         raise EnsembleStopped("the scheduler or its connection has gone")
 
@@ -219,15 +220,20 @@ def test_a_scheduler_that_goes_is_no_crash(tiny_file: Path, tmp_path: Path, monk
     assert "--resume" in done.stderr
 
 
+def threads_of(task: Task) -> Outcome:
+    return Outcome(task, "finished", f"{Team().threads} threads")
+
+
 @pytest.mark.parametrize(("environment", "expected"), [(None, 1), ("3", 3)])
 def test_workers_use_one_thread_unless_told_otherwise(
-    monkeypatch: pytest.MonkeyPatch, environment: str | None, expected: int
+    tiny: Build, monkeypatch: pytest.MonkeyPatch, environment: str | None, expected: int
 ) -> None:
     monkeypatch.delenv(VARIABLE, raising=False)
     if environment is not None:
         monkeypatch.setenv(VARIABLE, environment)
-    with connected(1) as client:
-        assert client.submit(lambda: Team().threads).result() == expected
+    monkeypatch.setattr(cluster, "compute", threads_of)
+    (outcome,) = cluster.outcomes(Plan(tiny(), 1, companions="none").tasks(), 1)
+    assert outcome.message == f"{expected} threads"
     assert os.environ.get(VARIABLE) == environment
 
 
@@ -254,12 +260,13 @@ def test_arguments_that_do_not_go_together(tiny: Build, tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("package", ["distributed", "pyarrow", "cryptography"])
+@pytest.mark.parametrize("package", ["distributed", "pyarrow"])
 def test_a_missing_extra_is_named(
     tiny_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, package: str
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    done = call("ensemble", tiny_file, "--runs", 2, "--output", tmp_path / "out")
+    scheduler = ("--scheduler", "tcp://127.0.0.1:1") if package == "distributed" else ()
+    done = call("ensemble", tiny_file, "--runs", 2, "--output", tmp_path / "out", *scheduler)
     assert done.exit_code == 2
     assert f"{package}, which is not installed" in done.stderr
     assert "pip install fissura[ensemble]" in done.stderr
@@ -267,13 +274,11 @@ def test_a_missing_extra_is_named(
 
 
 def test_fewer_workers_where_memory_is_short(tiny: Build, monkeypatch: pytest.MonkeyPatch) -> None:
-    import fissura.ensemble.cluster as module
-
-    monkeypatch.setattr(module, "usable_processors", lambda: 16)
+    monkeypatch.setattr(cluster, "usable_processors", lambda: 16)
     assert workers_that_fit(tiny(), full=True) <= 16
-    monkeypatch.setattr(module, "physical_memory", lambda: 1.5e9)
+    monkeypatch.setattr(cluster, "physical_memory", lambda: 1.5e9)
     assert workers_that_fit(tiny(), full=True) == 4
-    monkeypatch.setattr(module, "physical_memory", lambda: 1.0)
+    monkeypatch.setattr(cluster, "physical_memory", lambda: 1.0)
     assert workers_that_fit(tiny(), full=True) == 1
 
 
@@ -326,15 +331,14 @@ def test_a_killed_worker_loses_nothing_but_its_run(tiny: Build, tmp_path: Path) 
     assert len(curves(tmp_path / "calm")) == 11
 
 
+def die_twice_of_three(task: Task) -> Outcome:
+    if task.number != 2:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return compute(task)
+
+
 @pytest.mark.slow
 def test_a_run_that_kills_its_workers_has_failed(tiny: Build, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import fissura.ensemble.cluster as cluster
-
-    def die_twice_of_three(task: Task) -> Outcome:
-        if task.number != 2:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return compute(task)
-
     monkeypatch.setattr(cluster, "compute", die_twice_of_three)
     result = run_ensemble(tiny(), 3, output=tmp_path, workers=1, companions="none")
     assert result.runs["status"].tolist() == ["failed", "finished", "failed"]

@@ -2,6 +2,7 @@ from pathlib import Path
 
 import pytest
 
+import fissura.study.plan as module
 from fissura.errors import InputError
 from fissura.study.plan import FULL, load_plan, merged
 
@@ -77,6 +78,38 @@ def test_errors_name_the_key(tmp_path, old, new, key, said):
         load_plan(write_study(tmp_path, STUDY.replace(old, new)))
     assert caught.value.key == key
     assert said in str(caught.value)
+
+
+def many(count):
+    return str(list(range(count)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("seeds = [1, 2]", f"seeds = {many(200_000)}", "seeds"),
+        ("seeds = [1]", f"seeds = {many(60_000)}", "specimens[1].seeds"),
+        (
+            "[[variations]]",
+            "".join(f'[[variations]]\nname = "v{k}"\n' for k in range(5000)) + "[[variations]]",
+            "variations",
+        ),
+    ],
+)
+def test_a_study_that_never_ends_is_refused(tmp_path, old, new, key):
+    with pytest.raises(InputError, match=r"at most 10+ (runs|cases)") as caught:
+        load_plan(write_study(tmp_path, STUDY.replace(old, new, 1)))
+    assert caught.value.key == key
+
+
+def test_runs_are_counted_as_they_are_made(tmp_path, monkeypatch):
+    path = write_study(tmp_path)
+    count = len(list(load_plan(path).tasks()))
+    monkeypatch.setattr(module, "MOST_RUNS", count)
+    load_plan(path)
+    monkeypatch.setattr(module, "MOST_RUNS", count - 1)
+    with pytest.raises(InputError, match=f"at most {count - 1} runs"):
+        load_plan(path)
 
 
 def test_files_that_cannot_be_read(tmp_path):

@@ -112,7 +112,7 @@ def test_tables(finished):
     assert (bad["load"], bad["end"]) == ("", "refused")
 
 
-def test_an_interrupted_study_goes_on(tmp_path):
+def test_an_interrupted_study_goes_on(tmp_path, caplog):
     plan = load_plan(write_study(tmp_path, ONE))
     plan = plan_from_dict({**plan.plan.model_dump(), "variations": [{"name": "default"}]}, tmp_path)
 
@@ -129,6 +129,7 @@ def test_an_interrupted_study_goes_on(tmp_path):
     broken.write_bytes(b"half a file")
     run_study(plan, tmp_path / "out", on_done=lambda *told: done.append(told))
     assert names(done) == ["default", "default"]
+    assert f"{broken}: cannot be read; this run counts as missing" in caplog.text
 
 
 def test_an_unexpected_error_fails_one_run_only(tmp_path, monkeypatch):
@@ -160,11 +161,41 @@ def test_processes_use_one_thread_unless_told_otherwise(tmp_path, monkeypatch, e
     monkeypatch.delenv(VARIABLE, raising=False)
     if environment is not None:
         monkeypatch.setenv(VARIABLE, environment)
-    monkeypatch.setattr(import_module("fissura.study.pool"), "ProcessPoolExecutor", start)
+    monkeypatch.setattr(import_module("fissura.study.pool"), "computed", start)
     with pytest.raises(StartedError) as caught:
         run_study(load_plan(write_study(tmp_path, ONE)), tmp_path / "out", workers=2)
     assert caught.value.args == (expected,)
     assert os.environ.get(VARIABLE) == environment
+
+
+def die_at_full_resolution(task):
+    if task.full:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return Record(task.specimen, task.seed, task.variation, {}, "failed", "tried")
+
+
+def nothing():
+    pass
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
+def test_a_process_that_dies_costs_its_run_only(tmp_path, monkeypatch):
+    module = import_module("fissura.study.pool")
+    monkeypatch.setattr(module, "execute", die_at_full_resolution)
+    monkeypatch.setattr(module, "warm_up", nothing)
+    plan, told = load_plan(write_study(tmp_path, REFUSED)), []
+    module.run_tasks(list(plan.tasks()), tmp_path, 2, lambda task, record: told.append((task, record)))
+    assert {task.variation: record.message for task, record in told} == {
+        FULL: "the processes that ran it died, perhaps for lack of memory",
+        "default": "tried",
+        "gone": "tried",
+    }
+    assert all((tmp_path / task.path).exists() for task, _ in told)
+
+
+def test_more_workers_than_the_machine_can_run_are_refused(study, tmp_path):
+    with pytest.raises(InputError, match="--workers: 1000000 is not possible with"):
+        run_study(load_plan(study), tmp_path / "out", workers=1_000_000)
 
 
 # The command
@@ -198,7 +229,20 @@ def test_command_interrupted(tmp_path, monkeypatch):
     monkeypatch.setattr(import_module("fissura.study.pool"), "run_tasks", interrupt)
     done = call(write_study(tmp_path), "--output", tmp_path / "out")
     assert done.exit_code == 130
-    assert "the same command goes on" in done.stderr
+    out = tmp_path / "out"
+    assert done.stderr.endswith(f"interrupted; what has ended is saved in {out}; the same command goes on from there\n")
+    done = call(write_study(tmp_path), "--output", out, "--again", "default")
+    assert "the same command without --again goes on from there" in done.stderr
+
+
+def test_command_says_how_to_go_on_when_processes_die(tmp_path, monkeypatch):
+    (tmp_path / "sitecustomize.py").write_text('import os, sys\nif "spawn" in str(sys.orig_argv):\n    os._exit(9)\n')
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    done = call(write_study(tmp_path), "--output", tmp_path / "out", "--workers", "2", "--quiet")
+    assert done.exit_code == 3
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("error: processes die while they start, perhaps for lack of memory (exit status 9); ")
+    assert line.endswith("the same command goes on from there")
 
 
 def test_command_shows_how_far_it_is(tmp_path, monkeypatch):

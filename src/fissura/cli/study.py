@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from fissura.cli.console import INTERRUPTED, errors, not_written, print_table, say, warnings
+from fissura.cli.console import errors, print_table, say, warnings
+from fissura.cli.resuming import Resumable
 from fissura.interrupts import interruptible
 
 __all__ = ["study"]
@@ -37,7 +38,8 @@ def study(
 
         console = Console(stderr=True)
         progress = None if quiet else StudyProgress(console)
-        try:
+        resumable = Resumable(folder, f"the same command{' without --again' if again else ''} goes on from there")
+        with resumable:
             with warnings(console), progress or nullcontext():
                 found = run_study(
                     load_plan(plan),
@@ -45,15 +47,10 @@ def study(
                     workers=workers,
                     again=again or (),
                     run=not report,
-                    on_start=progress.start if progress else None,
+                    on_start=resumable.beginning(progress.start if progress else None),
                     on_done=progress.done if progress else None,
                 )
             files = write_outcome(found, folder)
-        except KeyboardInterrupt:
-            say(f"interrupted; finished runs are saved in {folder}, the same command goes on from there")
-            raise typer.Exit(INTERRUPTED) from None
-        except OSError as error:
-            raise not_written(error, error.filename or folder) from None
         early = sum(not m.finished for m in found.found)
         print_table(
             [

@@ -5,14 +5,15 @@ from __future__ import annotations
 import logging
 import socket
 import time
-from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Generator, Iterable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fissura.ensemble.outcome import Outcome, compute
 from fissura.ensemble.plan import Task
 from fissura.errors import EnsembleStopped, InputError
 from fissura.memory import estimate_bodies, estimate_memory, physical_memory
+from fissura.processes import ProcessesLost, computed
 from fissura.threads import threads_each, usable_processors
 
 if TYPE_CHECKING:
@@ -20,9 +21,8 @@ if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
     from fissura.case import Case
-    from fissura.ensemble.local import LocalProcesses
 
-__all__ = ["check_scheduler", "connected", "outcomes", "require_dask", "workers_that_fit"]
+__all__ = ["check_scheduler", "outcomes", "require_packages", "workers_that_fit"]
 
 _log = logging.getLogger(__name__)
 
@@ -32,28 +32,25 @@ ADDRESS = "the address that `dask scheduler` prints, such as tcp://127.0.0.1:878
 #: How often a run is computed at most if its result is lost each time.
 _ATTEMPTS = 5
 
-#: Tasks that are handed to the cluster at a time: more than it has processors, few enough for a scheduler's memory.
+#: Tasks that are handed to a cluster at a time: more than it has processors, few enough for a scheduler's memory.
 _AHEAD = 2000
-
-#: Seconds without any worker after which that is said, or, where workers are ours to start, the ensemble ends.
-_ALONE = 60.0
 
 #: Seconds within which a scheduler must answer.
 _REACH = 10.0
 
-#: Seconds between looks for results, and between checks that all local workers are there.
-_POLL, _HEAL = 0.02, 2.0
+#: Seconds between looks for results, between looks for workers, and without any after which that is said.
+_POLL, _LOOK, _ALONE = 0.02, 2.0, 60.0
 
 
-def require_dask(*, local: bool) -> None:
+def require_packages(*, cluster: bool) -> None:
     """Raise InputError if what ensembles need beyond a single run is not installed.
 
     Parameters
     ----------
-    local : bool
-        Whether they run in processes of this machine, which need credentials.
+    cluster : bool
+        Whether they run on a cluster.
     """
-    for package in ("dask", "distributed", "pyarrow", "jinja2", *(["cryptography"] if local else [])):
+    for package in ("pyarrow", "jinja2", *(["dask", "distributed"] if cluster else [])):
         try:
             __import__(package)
         except ImportError as error:
@@ -68,79 +65,80 @@ def workers_that_fit(case: Case, *, full: bool) -> int:
     return max(1, min(usable_processors(), int(physical_memory() / memory)))
 
 
-@contextmanager
-def connected(workers: int, threads: int = 1, scheduler: str | Cluster | None = None) -> Iterator[Client]:
-    """A client of a cluster.
+def outcomes(
+    tasks: Iterable[Task], workers: int, threads: int = 1, scheduler: str | Cluster | None = None
+) -> Generator[Outcome]:
+    """Compute tasks, and yield what becomes of each in the order in which they end.
+
+    Tasks are taken as there is room for them, so that planning many takes no time. A realisation whose process dies is
+    computed again by another one, and has failed after several such deaths. Whoever does not take all outcomes must
+    close this generator.
 
     Parameters
     ----------
+    tasks : iterable of Task
+        What to compute.
     workers : int
-        Local processes to start, unless there is a scheduler.
+        Processes to start on this machine, unless there is a scheduler.
     threads : int, optional
         Threads of each of them, in Fissura's kernels and in linear algebra, unless environment variables that limit
         them are set already.
     scheduler : str or Cluster, optional
-        Address of a scheduler whose workers are to be used, for example ``"tcp://127.0.0.1:8786"``, or a cluster of
-        Dask, which knows its credentials.
+        Address of a Dask scheduler whose workers are to be used, for example ``"tcp://127.0.0.1:8786"``, or a cluster
+        of Dask, which knows its credentials.
 
     Raises
     ------
     InputError
-        Dask is not installed, or the scheduler cannot be reached.
+        The scheduler cannot be reached.
     EnsembleStopped
-        A local process could not be started.
+        The scheduler has gone, or no local process can be started.
     """
-    require_dask(local=scheduler is None)
-    import dask
-    from distributed import Client
-
-    settings = {
-        # Threads are limited below: what is set here would stay in the environment of this process.
-        "distributed.nanny.pre-spawn-environ": {"MALLOC_TRIM_THRESHOLD_": "65536"},
-        # A worker has no run waiting beside the one it computes, which would be blamed, too, when it dies.
-        "distributed.scheduler.worker-saturation": 1.0,
-        # A busy machine takes long to start the process anew.
-        "distributed.deploy.lost-worker-timeout": "30s",
-    }
-    with ExitStack() as stack:
-        stack.enter_context(dask.config.set(settings))
-        stack.enter_context(_silent())
-        stack.enter_context(threads_each(threads))
-        if scheduler is None:
-            cluster: Any = stack.enter_context(_started(workers))
-        else:
-            cluster = scheduler
+    if scheduler is None:
+        yield from _here(tasks, workers, threads)
+        return
+    with _connected(scheduler) as client:
         try:
-            client = stack.enter_context(Client(cluster, set_as_default=False))
-        except (OSError, ValueError, TypeError, TimeoutError) as error:
-            if scheduler is None:
-                raise EnsembleStopped(f"the local scheduler cannot be reached ({error})") from error
-            raise InputError("--scheduler", f"{_address(scheduler)} cannot be reached ({error})", ADDRESS) from error
-        yield client
+            yield from _there(client, iter(tasks))
+        except (OSError, RuntimeError, TimeoutError) as error:  # what connections raise
+            raise EnsembleStopped(f"the scheduler or its connection has gone ({error})") from error
 
 
-def _started(workers: int) -> LocalProcesses:
-    """Local processes, once all of them have started.
+def _here(tasks: Iterable[Task], workers: int, threads: int) -> Iterator[Outcome]:
+    """Compute tasks in processes of this machine."""
+    with threads_each(threads):
+        try:
+            for task, outcome in computed(compute, tasks, workers):
+                yield _lost(task) if outcome is None else outcome
+        except ProcessesLost as error:
+            raise EnsembleStopped(str(error)) from error
+
+
+def _lost(task: Task) -> Outcome:
+    return Outcome.failed(task, MemoryError("the processes that computed it died, perhaps for lack of memory"))
+
+
+@contextmanager
+def _connected(scheduler: str | Cluster) -> Iterator[Client]:
+    """A client of a cluster.
 
     Raises
     ------
-    EnsembleStopped
-        One has not.
+    InputError
+        It cannot be reached.
     """
-    from fissura.ensemble.local import LocalProcesses
+    from distributed import Client
 
-    try:
-        return LocalProcesses(workers)
-    except (OSError, RuntimeError, TimeoutError) as error:  # what nannies and sockets raise
-        reason: BaseException = error
-        while reason.__cause__ is not None:
-            reason = reason.__cause__
-        raise EnsembleStopped(
-            f"a worker process died while it started, perhaps for lack of memory ({reason or type(reason).__name__})"
-        ) from error
+    with _silent():
+        try:
+            client = Client(scheduler, set_as_default=False)
+        except (OSError, ValueError, TypeError, TimeoutError) as error:
+            raise InputError("--scheduler", f"{_address(scheduler)} cannot be reached ({error})", ADDRESS) from error
+        with client:
+            yield client
 
 
-def _address(scheduler: str | Cluster | None) -> str:
+def _address(scheduler: str | Cluster) -> str:
     """Address of a scheduler."""
     return str(getattr(scheduler, "scheduler_address", scheduler))
 
@@ -197,25 +195,11 @@ def _silent() -> Iterator[None]:
             logger.setLevel(level)
 
 
-def outcomes(client: Client, tasks: Iterable[Task]) -> Iterator[Outcome]:
-    """Compute tasks, and yield what becomes of each in the order in which they end.
+def _there(client: Client, tasks: Iterator[Task]) -> Iterator[Outcome]:
+    """Compute tasks on a cluster.
 
-    Tasks are taken as they are handed to the cluster, `_AHEAD` at a time, so that planning many takes no time. A
-    realisation whose worker dies is computed again by another one; the cluster gives up on it after several such deaths
-    (``distributed.scheduler.allowed-failures``), and it has failed then.
-
-    Raises
-    ------
-    EnsembleStopped
-        The scheduler has gone, or no local worker could be started.
+    The cluster gives a task up after several deaths of its workers (``distributed.scheduler.allowed-failures``).
     """
-    try:
-        yield from _arriving(client, iter(tasks))
-    except (OSError, RuntimeError, TimeoutError) as error:  # what connections raise
-        raise EnsembleStopped(f"the scheduler or its connection has gone ({error})") from error
-
-
-def _arriving(client: Client, tasks: Iterator[Task]) -> Iterator[Outcome]:
     from distributed import KilledWorker, as_completed
 
     arriving = as_completed(loop=client.loop)
@@ -257,15 +241,13 @@ def _arriving(client: Client, tasks: Iterator[Task]) -> Iterator[Outcome]:
                 # It was computed, but its worker died before it had handed over the result.
                 submit(task, attempt + 1)
                 continue
-            if isinstance(error, KilledWorker):
-                error = MemoryError("the processes that computed it died, perhaps for lack of memory")
-            outcome = Outcome.failed(task, error)
+            outcome = _lost(task) if isinstance(error, KilledWorker) else Outcome.failed(task, error)
         future.release()  # workers need not keep it any longer
         yield outcome
 
 
 class _Watch:
-    """Looks after the workers of a cluster while nothing arrives from them.
+    """Looks whether a cluster has workers at all while nothing arrives from them.
 
     Parameters
     ----------
@@ -274,31 +256,18 @@ class _Watch:
     """
 
     def __init__(self, client: Client) -> None:
-        from fissura.ensemble.local import LocalProcesses
-
         self._client = client
-        self._ours: Any = client.cluster if isinstance(client.cluster, LocalProcesses) else None
         self._looked = self._met = time.monotonic()
         self._told = False
 
     def look(self) -> None:
-        """Start local workers anew that could not be restarted, which a cluster gives up; say if there are none.
-
-        Raises
-        ------
-        EnsembleStopped
-            For long there has been no local worker.
-        """
+        """Say so, once, if there have been none for long."""
         now = time.monotonic()
-        if now - self._looked < _HEAL:
+        if now - self._looked < _LOOK:
             return
         self._looked = now
-        if self._ours is not None:
-            self._ours.scale(len(self._ours.worker_spec))
         if self._client.nthreads():
             self._met, self._told = now, False
-        elif now - self._met >= _ALONE and self._ours is not None:
-            raise EnsembleStopped(f"no worker process could be started for {_ALONE:g} s, perhaps for lack of memory")
         elif now - self._met >= _ALONE and not self._told:
             self._told = True
             _log.warning("the scheduler has had no workers for %g s; waiting for some", _ALONE)

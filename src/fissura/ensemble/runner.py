@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fissura.case import Case, load_case
-from fissura.ensemble.cluster import check_scheduler, connected, outcomes, require_dask, workers_that_fit
+from fissura.ensemble.cluster import check_scheduler, outcomes, require_packages, workers_that_fit
 from fissura.ensemble.outcome import Outcome
 from fissura.ensemble.plan import LEADING_MODES, Companions, Key, Mode, Plan, Sampling
 from fissura.ensemble.result import EnsembleResult
@@ -101,10 +102,10 @@ def run_ensemble(
         An argument, the case or the folder is wrong, or the optional dependencies are not installed; nothing has been
         computed then.
     EnsembleStopped
-        The scheduler has gone. As with KeyboardInterrupt and OSError, what has ended is on disk, and ``resume`` goes
-        on.
+        The scheduler has gone, or no process can be started. As with KeyboardInterrupt and OSError, what has ended is
+        on disk, and ``resume`` goes on.
     """
-    require_dask(local=scheduler is None)
+    require_packages(cluster=scheduler is not None)
     if not isinstance(case, Case):
         case = load_case(case)
     plan = Plan(
@@ -195,8 +196,8 @@ def _compute(
         return
     count = min(workers or workers_that_fit(plan.case, full=plan.full), len(missing))
     try:
-        with connected(count, threads, scheduler) as client:
-            collect(outcomes(client, map(plan.task, missing)), store, missing, on_outcome)
+        with closing(outcomes(map(plan.task, missing), count, threads, scheduler)) as arriving:
+            collect(arriving, store, missing, on_outcome)
     except BaseException:
         # Whatever ended it, the table of what is there helps the user now.
         write_table(table(store.kept().summaries.values()), store.folder)

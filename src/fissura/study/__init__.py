@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.study.plan import LoadedPlan, load_plan, plan_from_dict
+from fissura.threads import side_by_side
 
 if TYPE_CHECKING:
     from fissura.study.outcome import Outcome
@@ -51,15 +52,16 @@ def run_study(
     Raises
     ------
     InputError
-        A name in `again` is not known, or the folder cannot be written.
-    KeyboardInterrupt
-        The user interrupts; all finished runs are saved.
+        A name in `again` is not known, there are too many workers, or the folder cannot be written.
+    KeyboardInterrupt, StudyStopped
+        The user interrupts, or a process died; all finished runs are saved, and the same call goes on.
     """
     from fissura.folder import Folder, prepare_folder
     from fissura.study.outcome import outcome_of
     from fissura.study.pool import run_tasks
     from fissura.study.store import check_names, split
 
+    workers = side_by_side("--workers", workers)
     check_names(plan, again)
     folder = prepare_folder(folder, "study", go_on=True)
     own = Folder.kept(folder, "study")

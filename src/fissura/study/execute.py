@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from fissura.errors import FissuraError, InputError, RunStopped
@@ -14,10 +13,16 @@ if TYPE_CHECKING:
     from fissura.results.curve import Row
     from fissura.study.plan import Task
 
-__all__ = ["execute", "warm_up"]
+__all__ = ["execute", "head_of", "warm_up"]
 
 
-def execute(task: Task, interrupted: Callable[[], bool] = lambda: False) -> Record:
+def head_of(task: Task) -> dict[str, Any]:
+    """What a record says of its task."""
+    case = task.case.model_dump(mode="json", exclude={"source"})
+    return {"specimen": task.specimen, "seed": task.seed, "variation": task.variation, "case": case}
+
+
+def execute(task: Task) -> Record:
     """Run a task; whatever goes wrong in it becomes part of the record.
 
     Processor times are those of building the simulation and of its steps; observing them is left out.
@@ -26,13 +31,11 @@ def execute(task: Task, interrupted: Callable[[], bool] = lambda: False) -> Reco
     ----------
     task : Task
         What to run.
-    interrupted : callable, optional
-        Asked after every step whether to give up.
 
     Raises
     ------
     KeyboardInterrupt
-        It said so, or the user did.
+        The user interrupts.
     """
     from fissura.memory import require_memory
     from fissura.results.curve import columns, row
@@ -40,13 +43,7 @@ def execute(task: Task, interrupted: Callable[[], bool] = lambda: False) -> Reco
     from fissura.simulation import Simulation
     from fissura.study.indicators import Observer
 
-    case = task.case.model_dump(mode="json", exclude={"source"})
-    head: dict[str, Any] = {
-        "specimen": task.specimen,
-        "seed": task.seed,
-        "variation": task.variation,
-        "case": case,
-    }
+    head = head_of(task)
     rows: list[Row] = []
     cpu, wall = time.process_time(), time.perf_counter()
     aside_cpu = aside_wall = 0.0
@@ -62,8 +59,6 @@ def execute(task: Task, interrupted: Callable[[], bool] = lambda: False) -> Reco
             observer.add(step)
             aside_cpu += time.process_time() - seen_cpu
             aside_wall += time.perf_counter() - seen_wall
-            if interrupted():
-                raise KeyboardInterrupt
     except RunStopped as error:
         status, message = "stopped", str(error)
     except InputError as error:

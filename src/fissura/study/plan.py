@@ -17,10 +17,27 @@ from fissura.case.report import input_error
 from fissura.case.types import Count, Fraction, fail
 from fissura.errors import InputError
 
-__all__ = ["FULL", "Limits", "Plan", "SpecimenEntry", "Task", "Variation", "load_plan", "merged", "plan_from_dict"]
+__all__ = [
+    "FULL",
+    "MOST_RUNS",
+    "Limits",
+    "Plan",
+    "SpecimenEntry",
+    "Task",
+    "Variation",
+    "load_plan",
+    "merged",
+    "plan_from_dict",
+]
 
 FULL = "full"
 """Name of the run at full resolution, next to those of variations."""
+
+MOST_RUNS = 100_000
+"""Largest number of runs of a study: each has a file of its own, and all are compared in memory."""
+
+#: Most cases of a study, all of which are validated before the first run.
+_MOST_CASES = 10_000
 
 #: Tables of a case that a variation may change; full resolution depends on nothing in them but the two fixed keys.
 _VARIED = ("adaptivity", "discretization", "solver")
@@ -94,21 +111,23 @@ class Plan(Part):
         ):
             if not names:
                 fail("the list is empty", f"at least one table [[{key}]]", key)
+            seen: dict[str, str] = {}  # names by the files they would have
             for k, name in enumerate(names):
                 if not re.fullmatch(r"\w[\w +\-.=,%]{0,59}", name) or name.endswith((" ", ".")):
                     fail(f"{name!r} cannot name a file", _NAME, (key, k, "name"))
                 # Records of runs are files: names that differ in blanks or capitals only may name the same file.
-                earlier = next((other for other in names[:k] if _file_name(other) == _file_name(name)), None)
+                earlier = seen.get(_file_name(name))
+                seen[_file_name(name)] = name
                 if earlier is not None:
                     problem = f"{name!r} is the name of two" if earlier == name else f"{name!r} is too near {earlier!r}"
                     fail(problem, "a name of its own for each", (key, k, "name"))
                 if _file_name(name) == FULL:
                     fail(f"{name!r} is the name of the run at full resolution", "another name", (key, k, "name"))
-        known = [entry.name for entry in self.specimens]
+        specimens = dict.fromkeys(entry.name for entry in self.specimens)
         for k, variation in enumerate(self.variations):
             for name in variation.specimens or ():
-                if name not in known:
-                    fail(f"{name!r} is not known", ", ".join(known), ("variations", k, "specimens"))
+                if name not in specimens:
+                    fail(f"{name!r} is not known", ", ".join(specimens), ("variations", k, "specimens"))
             for table, value in variation.change.items():
                 if table not in _VARIED or not isinstance(value, Mapping):
                     fail("changes the specimen", f"keys of {', '.join(_VARIED)}", ("variations", k, "change", table))
@@ -167,16 +186,13 @@ class LoadedPlan:
 
     def tasks(self) -> Iterator[Task]:
         """All runs, seed by seed; full resolution comes before the runs that are compared with it."""
-        plan = self.plan
-        of = {entry.name: entry.seeds or plan.seeds for entry in plan.specimens}
-        for seed in dict.fromkeys(seed for seeds in of.values() for seed in seeds):
-            for entry in plan.specimens:
-                if seed not in of[entry.name]:
-                    continue
-                names = [v.name for v in plan.variations if _applies(v, entry.name, seed)]
+        of = [(entry.name, *_seeds(self.plan, entry)) for entry in self.plan.specimens]
+        for seed in dict.fromkeys(seed for _, own, _ in of for seed in own):
+            for specimen, own, seeds in of:
+                names = [name for name, some in seeds.items() if seed in some] if seed in own else []
                 for name in [FULL, *names] if names else []:
-                    case = self.cases[entry.name, name].model_copy(update={"seed": seed})
-                    yield Task(entry.name, seed, name, case)
+                    case = self.cases[specimen, name].model_copy(update={"seed": seed})
+                    yield Task(specimen, seed, name, case)
 
 
 def _file_name(name: str) -> str:
@@ -184,9 +200,33 @@ def _file_name(name: str) -> str:
     return name.replace(" ", "_").casefold()
 
 
-def _applies(variation: Variation, specimen: str, seed: int) -> bool:
-    named = variation.specimens is None or specimen in variation.specimens
-    return named and (variation.seeds is None or seed in variation.seeds)
+def _seeds(plan: Plan, entry: SpecimenEntry) -> tuple[dict[int, None], dict[str, dict[int, None]]]:
+    """Seeds of a specimen in order, and those among them with which each variation is run."""
+    own = dict.fromkeys(entry.seeds or plan.seeds)
+    applied = [v for v in plan.variations if v.specimens is None or entry.name in v.specimens]
+    return own, {v.name: own if v.seeds is None else {s: None for s in v.seeds if s in own} for v in applied}
+
+
+def _check_size(plan: Plan) -> None:
+    """Refuse more runs than can be kept and compared, before anything is made of them.
+
+    Raises
+    ------
+    InputError
+        There are too many; the key is that of the most seeds, or of the variations.
+    """
+    cases = len(plan.specimens) * (1 + len(plan.variations))
+    if cases > _MOST_CASES:
+        problem = f"{len(plan.variations)} variations of {len(plan.specimens)} specimens are {cases} cases"
+        raise InputError("variations", problem, f"at most {_MOST_CASES} cases, full resolution counted")
+    runs = 0
+    for k, entry in enumerate(plan.specimens):
+        own, seeds = _seeds(plan, entry)
+        runs += len(set().union(*seeds.values())) + sum(map(len, seeds.values()))
+        if runs > MOST_RUNS:
+            key = "seeds" if entry.seeds is None else f"specimens[{k}].seeds"
+            what = f"{len(plan.specimens)} specimens, {len(own)} seeds and {len(plan.variations)} variations"
+            raise InputError(key, f"{what} make too many runs", f"at most {MOST_RUNS} runs, full resolution counted")
 
 
 def load_plan(path: str | Path) -> LoadedPlan:
@@ -212,6 +252,7 @@ def plan_from_dict(data: Mapping[str, Any], folder: str | Path = ".") -> LoadedP
         plan = Plan.model_validate(dict(data))
     except ValidationError as error:
         raise input_error(error, Plan, data) from None
+    _check_size(plan)
     cases = {}
     for k, entry in enumerate(plan.specimens):
         path = Path(folder) / entry.case

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.case import Case, case_from_dict
+from fissura.errors import InputError
 from fissura.results.archive import read_archive, write_archive
 from fissura.results.curve import LATER, Curve, columns
 from fissura.results.result import Result
@@ -135,15 +136,20 @@ class Record:
         Raises
         ------
         InputError
-            The file is missing, is something else, or is newer than this version of Fissura.
+            The file is missing, damaged, something else, or newer than this version of Fissura.
         """
         arrays = read_archive(path, FORMAT, FORMAT_VERSION)
-        head = json.loads(str(arrays["head"]))
         curve = _part(arrays, "curve.")
-        energies = Energies(arrays["pairs"].astype(np.int64), arrays["energy"], arrays["centroid"].astype(np.float64))
         missing = set(columns([])) - set(curve) - LATER
-        assert not missing, missing
-        return cls(**head, curve=curve, energies=energies, indicators=_part(arrays, "indicator."))
+        try:
+            if missing:
+                raise KeyError(f"column {', '.join(sorted(missing))}")
+            head = json.loads(str(arrays["head"]))
+            pairs, energy, centroid = (arrays[name] for name in ("pairs", "energy", "centroid"))
+            energies = Energies(pairs.astype(np.int64), energy, centroid.astype(np.float64))
+            return cls(**head, curve=curve, energies=energies, indicators=_part(arrays, "indicator."))
+        except (KeyError, TypeError, ValueError) as error:
+            raise InputError(str(path), f"is damaged ({error})", f"a {FORMAT} file") from error
 
 
 def case_text(case: Case | Mapping[str, Any], *, of_full: bool = False) -> str:

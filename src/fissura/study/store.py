@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Collection, Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -12,18 +13,24 @@ from fissura.study.record import Record, case_text
 
 __all__ = ["FAILURES", "check_names", "recorded", "split"]
 
+_log = logging.getLogger(__name__)
+
 FAILURES = "failures"
 """Name for all runs that did not finish, where names of variations are asked for."""
 
 
 def recorded(task: Task, folder: Path) -> Record | None:
-    """Record of a task, if there is one, it can be read, and it is of the case that the task means today."""
+    """Record of a task, if there is one, it can be read, and it is of the case that the task means today.
+
+    A warning tells of one that cannot be read, such as half a file of a machine that went down.
+    """
     path = folder / task.path
     if not path.exists():
         return None
     try:
         record = Record.load(path)
-    except InputError:  # half a file of a machine that went down: run it again
+    except InputError as error:
+        _log.warning("%s: %s; this run counts as missing", path, error.problem)
         return None
     if case_text(record.case, of_full=task.full) != case_text(task.case, of_full=task.full):
         return None
