@@ -20,6 +20,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, Generic, TypeVar
 
 from fissura.errors import FissuraError
+from fissura.kernels import prepare_cache
 
 __all__ = ["DEATHS", "ProcessesLost", "computed"]
 
@@ -234,6 +235,9 @@ def _no_interrupts() -> Iterator[None]:
 def _serve(pipe: Connection, run: Callable[[T], R], prepare: Callable[[], None] | None) -> None:
     """What a process does: a task, the next one, until the pipe ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be blocked
+    if hasattr(signal, "SIGHUP"):
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)  # of a terminal that closes; the one that started it decides
+    prepare_cache(say=False)
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(1))  # temporary folders are removed on the way
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:

@@ -96,7 +96,7 @@ def not_written(error: OSError, where: str | Path, kept: str = "") -> typer.Exit
 
 @contextmanager
 def writing(picture: Path, option: str) -> Iterator[None]:
-    """Turn what can go wrong in writing a picture into a message.
+    """Turn what can go wrong in writing a picture into a message, and show warnings on the way.
 
     Parameters
     ----------
@@ -106,7 +106,8 @@ def writing(picture: Path, option: str) -> Iterator[None]:
         The option that names it.
     """
     try:
-        yield
+        with warnings(Console(stderr=True)):
+            yield
     except OSError as error:
         raise not_written(error, picture) from None
     except ValueError as error:  # matplotlib does not know the file's type
@@ -152,15 +153,34 @@ class Warnings(logging.Handler):
             self.console.print(f"warning: {message}", markup=False, highlight=False, soft_wrap=True)
 
 
+class _Notes(logging.Handler):
+    """Shows what is no warning, but takes the user's time."""
+
+    def __init__(self, console: Console) -> None:
+        super().__init__(logging.INFO)
+        self._console = console
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if record.levelno < logging.WARNING:
+            self._console.print(record.getMessage(), markup=False, highlight=False, soft_wrap=True)
+
+
 @contextmanager
-def warnings(console: Console) -> Iterator[Warnings]:
-    """Show warnings of the package's loggers on a console."""
+def warnings(console: Console, *, quiet: bool = False) -> Iterator[Warnings]:
+    """Show warnings of the package's loggers on a console; unless quiet, that kernels are compiled, too."""
     logger, handler = logging.getLogger("fissura"), Warnings(console)
+    kernels, notes = logging.getLogger("fissura.kernels"), _Notes(console)
+    level = kernels.level
     logger.addHandler(handler)
+    if not quiet:
+        kernels.addHandler(notes)
+        kernels.setLevel(logging.INFO)
     try:
         yield handler
     finally:
         logger.removeHandler(handler)
+        kernels.removeHandler(notes)
+        kernels.setLevel(level)
 
 
 def print_table(rows: Sequence[tuple[str, str]], title: str = "") -> None:

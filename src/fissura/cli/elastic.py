@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from fissura.cli.console import errors, not_written, print_columns, print_table
+from fissura.cli.console import errors, not_written, print_columns, print_table, warnings
 from fissura.cli.options import OverwriteOption
 from fissura.errors import InputError
 
@@ -95,7 +95,8 @@ def _study(
     from fissura.folder import prepare_folder
 
     folder = prepare_folder(output, "elastic", overwrite=overwrite)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    with warnings(console), Progress(console=console, transient=True) as bar:
         task = bar.add_task("structures", total=None)
         found = study(
             alphas,

@@ -90,7 +90,7 @@ def ensemble(
         progress = None if quiet else EnsembleProgress(console)
         instead = " instead of --overwrite" if overwrite else ""
         resumable = Resumable(folder, f"the same command with --resume{instead} goes on from there")
-        with resumable, warnings(console), progress or nullcontext():
+        with resumable, warnings(console, quiet=quiet), progress or nullcontext():
             result = run_ensemble(
                 loaded,
                 runs,

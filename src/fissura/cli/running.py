@@ -37,7 +37,7 @@ def run(
         console = Console(stderr=True)
         progress = None if quiet else RunProgress(console, loaded)
         try:
-            with warnings(console) as shown, progress or nullcontext():
+            with warnings(console, quiet=quiet) as shown, progress or nullcontext():
                 result = api.run(
                     loaded,
                     full=full,

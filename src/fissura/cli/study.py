@@ -40,7 +40,7 @@ def study(
         progress = None if quiet else StudyProgress(console)
         resumable = Resumable(folder, f"the same command{' without --again' if again else ''} goes on from there")
         with resumable:
-            with warnings(console), progress or nullcontext():
+            with warnings(console, quiet=quiet), progress or nullcontext():
                 found = run_study(
                     load_plan(plan),
                     folder,

@@ -8,11 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from fissura.errors import InputError
+from fissura.kernels import njit
 from fissura.material import Material
 
 __all__ = ["CusatisCedolin", "lowest_strength", "transition_angle"]

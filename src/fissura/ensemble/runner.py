@@ -17,6 +17,7 @@ from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
 from fissura.errors import EnsembleStopped, FissuraError, InputError
+from fissura.kernels import prepare_cache
 from fissura.memory import require_memory
 from fissura.threads import side_by_side
 
@@ -195,6 +196,8 @@ def _compute(
     if not missing:
         return
     count = min(workers or workers_that_fit(plan.case, full=plan.full), len(missing))
+    if scheduler is None:
+        prepare_cache()
     try:
         with closing(outcomes(map(plan.task, missing), count, threads, scheduler)) as arriving:
             collect(arriving, store, missing, on_outcome)

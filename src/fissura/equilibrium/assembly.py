@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from fissura.contact import Kinematics
 from fissura.equilibrium.low_rank import LowRank
+from fissura.kernels import njit
 
 __all__ = ["Pattern", "add_spin", "assemble", "assemble_secant", "pattern"]
 

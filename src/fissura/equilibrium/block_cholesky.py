@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fissura.equilibrium.blocks import AHEAD, FAST, LowerBlocks
 from fissura.equilibrium.simd import prefetch, times, transposed_times
 from fissura.equilibrium.team import ALONE, Team
+from fissura.kernels import njit
 
 __all__ = ["IncompleteCholesky"]
 

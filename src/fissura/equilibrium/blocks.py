@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
@@ -14,6 +13,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.simd import prefetch, prefetch_item
 from fissura.equilibrium.team import ALONE, Team
+from fissura.kernels import njit
 
 __all__ = [
     "FAST",

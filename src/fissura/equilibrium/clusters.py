@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from fissura.equilibrium.blocks import LowerBlocks
+from fissura.kernels import njit
 
 __all__ = ["bisected", "body_weights", "connected", "intact", "link_stiffness"]
 

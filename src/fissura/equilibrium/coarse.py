@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
@@ -11,6 +10,7 @@ from fissura.equilibrium.blocks import LowerBlocks
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.motions import prolong, restrict, restrict_product
 from fissura.equilibrium.team import ALONE, Team
+from fissura.kernels import njit
 
 __all__ = ["CoarseSpace"]
 

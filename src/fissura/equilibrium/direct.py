@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
@@ -14,6 +13,7 @@ from scipy.sparse.linalg import splu
 from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.linear import SingularMatrixError
 from fissura.equilibrium.woodbury import WideCorrection
+from fissura.kernels import njit
 
 try:  # its wheels exist for x86 only
     import pymklpardiso

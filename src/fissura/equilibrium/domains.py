@@ -8,11 +8,11 @@ the number of bodies alone, never on that of threads, so results are the same wh
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.blocks import bandwidth_order
+from fissura.kernels import njit
 
 __all__ = ["dissected_order"]
 

@@ -9,10 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fissura.equilibrium.team import ALONE, Team
+from fissura.kernels import njit
 
 __all__ = ["Minimized", "dot", "gmres", "norm"]
 

@@ -6,13 +6,13 @@ These would take as much memory again as all else that an iterative solution nee
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fissura.contact import Kinematics
 from fissura.equilibrium.assembly import Pattern
 from fissura.equilibrium.blocks import LowerBlocks, constant_part, held_bodies
 from fissura.equilibrium.team import ALONE, Team
+from fissura.kernels import njit
 
 __all__ = ["assemble_lower"]
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from numba import njit
 from numpy import zeros
 
 from fissura.equilibrium.blocks import AHEAD
 from fissura.equilibrium.simd import prefetch, transposed_times
+from fissura.kernels import njit
 
 __all__ = ["prolong", "restrict", "restrict_product"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from numba import njit
+from fissura.kernels import njit
 
 __all__ = ["advance", "dot", "turn"]
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from fissura.kernels import njit
 
 if TYPE_CHECKING:
     from fissura.tessellation.structure import Polygons, Tessellation

@@ -7,6 +7,7 @@ from contextlib import closing
 from pathlib import Path
 
 from fissura.errors import StudyStopped
+from fissura.kernels import prepare_cache
 from fissura.processes import ProcessesLost, computed
 from fissura.study.execute import execute, head_of, warm_up
 from fissura.study.plan import Task
@@ -42,6 +43,7 @@ def run_tasks(tasks: Sequence[Task], folder: Path, workers: int = 1, on_done: To
     """
     if not tasks:
         return
+    prepare_cache()
 
     def save(task: Task, record: Record) -> None:
         record.save(folder / task.path)

@@ -8,8 +8,8 @@ leave no trace in the result, not even in its last bit.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from fissura.kernels import njit
 from fissura.tessellation.polyhedron import TOO_SHORT, UNCUT, box, cut, farthest, following
 
 __all__ = ["clip_cells"]

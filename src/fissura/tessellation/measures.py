@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fissura.kernels import njit
 from fissura.tessellation.polygon import areas_and_centroids
 from fissura.tessellation.ragged import Ragged
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
+from fissura.kernels import njit
 from fissura.specimen import Notch
 from fissura.tessellation.polygon import clip, clip_many
 from fissura.tessellation.ragged import Ragged

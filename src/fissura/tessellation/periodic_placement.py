@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fissura.kernels import njit
 from fissura.tessellation.voxels import divided, free, surroundings
 
 __all__ = ["SMALLEST_SIDE", "place_periodic"]

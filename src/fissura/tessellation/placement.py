@@ -8,9 +8,9 @@ of the specimen can then take another nucleus.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fissura.kernels import njit
 from fissura.specimen import Box
 from fissura.tessellation.mirror import MirrorZones
 from fissura.tessellation.voxels import cell_of, divided, free, surroundings

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from fissura.kernels import njit
 
 __all__ = ["areas_and_centroids", "clip", "clip_many"]
 

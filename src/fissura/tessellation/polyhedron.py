@@ -9,8 +9,9 @@ that stay, so the boundary between them is a single loop of edges and becomes th
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from fissura.kernels import njit
 
 __all__ = ["TOO_SHORT", "UNCUT", "box", "cut", "farthest", "following"]
 

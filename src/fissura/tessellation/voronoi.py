@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from fissura.kernels import njit
 from fissura.tessellation.cell import clip_cells
 from fissura.tessellation.grid import grid_of, within
 from fissura.tessellation.measures import polygon_measures

@@ -7,8 +7,9 @@ Nuclei are sorted into a grid whose cells hold one at most. The grid has two mor
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from fissura.kernels import njit
 
 __all__ = ["cell_of", "divided", "free", "surroundings"]
 

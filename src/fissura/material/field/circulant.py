@@ -15,9 +15,9 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.fft
-from numba import njit
 from numpy.typing import NDArray
 
+from fissura.kernels import njit
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy
 

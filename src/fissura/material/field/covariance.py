@@ -8,11 +8,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.special import gammaln, kve
 
 from fissura.errors import InputError
+from fissura.kernels import njit
 
 __all__ = ["MODELS", "Covariance", "Model", "covariance_named"]
 

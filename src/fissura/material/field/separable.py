@@ -10,10 +10,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from fissura.kernels import njit
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy, counts, sample
 
