@@ -102,5 +102,5 @@ def test_missing_and_binary_files(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         read_curve(tmp_path)
     (tmp_path / "curve.csv").write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(InputError, match="not a CSV"):
+    with pytest.raises(InputError, match="is UTF-16 text"):
         read_curve(tmp_path)

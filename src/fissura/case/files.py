@@ -62,7 +62,7 @@ def check_file(path: Path, key: str, allowed: str, most: int) -> None:
     try:
         status = path.stat()
     except FileNotFoundError:
-        problem = "no such file" if key == str(path) else "cannot be read: no such file"
+        problem = "cannot be read: no such file"
     except OSError as error:
         problem = f"cannot be read: {error.strerror or error}"
     except ValueError as error:  # a null character in the path

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fissura.case.files import read_text
+from fissura.case.files import MOST_BYTES, read_text
 from fissura.case.model import Case, folder_name
 from fissura.case.report import input_error
 from fissura.errors import InputError
@@ -91,7 +91,8 @@ def read_case_file(path: Path) -> tuple[str | None, dict[str, Any]]:
         If the file cannot be read, or is not TOML or JSON.
     """
     if path.suffix.lower() == ".json":
-        return None, read_json(path)
+        tables: dict[str, Any] = read_json(path)
+        return None, tables
     return read_toml(path)
 
 
@@ -136,11 +137,28 @@ def read_toml(path: Path, allowed: str = ALLOWED) -> tuple[str, dict[str, Any]]:
     raise InputError(str(path), problem, allowed)
 
 
-def read_json(path: Path, allowed: str = ALLOWED) -> dict[str, Any]:
-    """Read the ``case.json`` of a run, or another file of tables in JSON; parameters and errors as for `read_toml`."""
-    text = read_text(path, str(path), allowed)
+def read_json(path: Path, allowed: str = ALLOWED, *, tables: bool = True, most: int = MOST_BYTES) -> Any:
+    """Read a file of tables in JSON, such as the ``case.json`` of a run.
+
+    Parameters
+    ----------
+    path : Path
+        JSON file, UTF-8.
+    allowed : str, optional
+        What it should be, for the message.
+    tables : bool, optional
+        Whether anything but tables by name is refused.
+    most : int, optional
+        Most bytes that the file may have.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is not JSON.
+    """
+    text = read_text(path, str(path), allowed, most)
     try:
-        tables = json.loads(text)
+        found = json.loads(text)
     except json.JSONDecodeError as error:
         problem = f"is not JSON: {error}"
     except RecursionError:
@@ -148,15 +166,16 @@ def read_json(path: Path, allowed: str = ALLOWED) -> dict[str, Any]:
     except ValueError as error:
         problem = _long_number(text) or f"cannot be read: {error}"
     else:
-        if isinstance(tables, dict) and not _too_deep(tables):
-            return tables
-        problem = _TOO_DEEP if isinstance(tables, dict) else "does not hold tables"
+        problem = "" if isinstance(found, dict) or not tables else "does not hold tables"
+        problem = _TOO_DEEP if _too_deep(found) else problem
+        if not problem:
+            return found
     raise InputError(str(path), problem, allowed)
 
 
 def _too_deep(value: Any) -> bool:
     """Whether tables and lists are nested deeper than any case needs; what walks through them may recurse then."""
-    level = [value]
+    level = [value] if isinstance(value, (dict, list)) else []
     for _ in range(_DEPTH):
         level = [
             item

@@ -11,11 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.case.files import check_file
 from fissura.errors import InputError
 from fissura.files import replacing
 from fissura.results.compression import level
 
 __all__ = ["read_archive", "write_archive"]
+
+#: Largest archive that is read.
+_MOST_BYTES = 20_000_000_000
 
 
 def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any]) -> None:
@@ -47,6 +51,7 @@ def read_archive(path: str | Path, name: str, version: int) -> dict[str, NDArray
         The file is missing, is something else, or is newer than the given version of the format.
     """
     key, allowed = str(path), f"a {name} file of version 1 to {version}"
+    check_file(Path(path), key, allowed, _MOST_BYTES)
     try:
         with np.load(io.BytesIO(Path(path).read_bytes()), allow_pickle=False) as archive:
             arrays = {member: archive[member] for member in archive.files}

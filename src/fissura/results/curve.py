@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.case.files import read_text
 from fissura.errors import InputError
 from fissura.files import force
 
@@ -30,6 +32,9 @@ __all__ = [
     "row",
     "support_columns",
 ]
+
+#: Largest curve that is read: a million steps have some 300 MB.
+_MOST_BYTES = 500_000_000
 
 Curve = dict[str, NDArray[Any]]
 """Column name -> 1-D array, one entry per step; int64 for counts, text, float64 for all others."""
@@ -236,13 +241,12 @@ def read_curve(path: str | Path) -> Curve:
     path = Path(path)
     if path.is_dir():
         path = path / "curve.csv"
+    allowed = "a curve.csv of a Fissura run"
+    text = read_text(path, str(path), allowed, _MOST_BYTES)
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            lines = [(number, line) for number, line in enumerate(csv.reader(file), 1) if line]
-    except OSError as error:
-        raise InputError(str(path), "cannot be read", "a curve.csv of a Fissura run") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(str(path), "is not a CSV text file", "a curve.csv of a Fissura run") from error
+        lines = [(number, line) for number, line in enumerate(csv.reader(io.StringIO(text, newline="")), 1) if line]
+    except csv.Error as error:
+        raise InputError(str(path), "is not a CSV text file", allowed) from error
     names = [name.strip() for name in lines[0][1]] if lines else []
     missing = [name for name in COLUMNS if name not in names and name not in LATER]
     if missing:

@@ -176,6 +176,8 @@ def read_history(folder: str | Path) -> tuple[Frame, ...]:
         return _frames(arrays)
     except KeyError as error:
         raise InputError(str(path), f"lacks the array {error}") from None
+    except (IndexError, TypeError, ValueError) as error:
+        raise InputError(str(path), f"is damaged ({error})") from None
 
 
 def _frames(arrays: dict[str, NDArray[Any]]) -> tuple[Frame, ...]:

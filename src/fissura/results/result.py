@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,6 +65,7 @@ class Result:
             There is no such folder, or a file in it is missing or broken.
         """
         from fissura.case import case_from_dict
+        from fissura.case.load import read_json
 
         folder = Path(folder)
         if not folder.is_dir():
@@ -73,14 +73,18 @@ class Result:
         curve, summary = read_curve(folder / "curve.csv"), read_summary(folder / "summary.json")
         if summary.get("status") == "running" and set(COLUMNS) <= set(curve):
             summary |= curve_numbers(curve)  # it is written every second only, the curve after every step
+        steps, told = len(curve["step"]), summary.get("steps")
+        if summary.get("status") != "running" and isinstance(told, int) and told != steps:
+            problem = f"has {steps} step{'' if steps == 1 else 's'}, and summary.json tells of {told}"
+            raise InputError(str(folder / "curve.csv"), problem, "files of one run")
         path = folder / "case.json"
-        try:
-            data = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise InputError(str(path), "cannot be read", "the case.json of a Fissura run") from error
+        data = read_json(path, "the case.json of a Fissura run")
         state = folder / "state_last.npz"
         snapshots = dict([read_state(state)]) if state.exists() else {}
-        case = case_from_dict(data, folder, files_exist=False)
+        try:
+            case = case_from_dict(data, folder, files_exist=False)
+        except InputError as error:
+            raise InputError(f"{path}: {error.key}", error.problem, error.allowed) from None
         return cls(case, bool(summary.get("full")), curve, summary, snapshots, folder)
 
     @property

@@ -91,6 +91,8 @@ def read_state(path: str | Path) -> tuple[int, Snapshot]:
         return int(arrays["step"]), Snapshot(tessellation=tessellation, **fields)
     except KeyError as error:
         raise InputError(key, f"lacks the array {error}", allowed) from None
+    except (IndexError, TypeError, ValueError) as error:
+        raise InputError(key, f"is damaged ({error})", allowed) from None
 
 
 def _part(arrays: dict[str, Any], prefix: str, names: tuple[str, ...]) -> dict[str, Any]:

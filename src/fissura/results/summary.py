@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 import platform
 import sys
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fissura.adaptivity.estimate import load_error_bound
+from fissura.case.load import read_json
 from fissura.errors import InputError, Notice
 from fissura.files import write_json
 from fissura.results.curve import Curve
@@ -33,6 +33,9 @@ __all__ = [
     "read_summary",
     "write_summary",
 ]
+
+#: Largest summary that is read.
+_MOST_BYTES = 50_000_000
 
 FORMAT_VERSION = 1
 """Version of the layout of a result folder."""
@@ -243,12 +246,7 @@ def read_summary(path: str | Path) -> dict[str, Any]:
     if path.is_dir():
         path = path / "summary.json"
     allowed = f"the {path.name} of a Fissura {'ensemble' if path.name == 'ensemble.json' else 'run'}"
-    try:
-        summary = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(str(path), "cannot be read", allowed) from error
-    except ValueError as error:
-        raise InputError(str(path), f"is not JSON ({error})", allowed) from error
+    summary = read_json(path, allowed, tables=False, most=_MOST_BYTES)
     version = summary.get("format_version") if isinstance(summary, dict) else None
     if not isinstance(version, int) or version > FORMAT_VERSION:
         raise InputError(str(path), f"format_version is {version}", f"{allowed}, of version 1 to {FORMAT_VERSION}")
