@@ -23,6 +23,10 @@ __all__ = ["ManyProgress", "RunProgress", "duration"]
 EVERY_SECONDS = 5.0
 EVERY_FRACTION = 0.05
 
+KNOWN_SHARE, KNOWN_STEPS = 0.05, 5
+"""Share of a run, and steps after the first, from which on the pace says something about the rest. The first step takes
+much else along, and the steps after it are short until the specimen has shown that it takes longer ones."""
+
 
 def duration(seconds: float) -> str:
     """Write a time as ``12 s``, ``3:20 min`` or ``2:03 h``."""
@@ -92,7 +96,7 @@ class RunProgress(_Live):
         self._quantity = case.quantity
         self._done = Done(case)
         self._start = time.monotonic()
-        self._recent: deque[tuple[float, float]] = deque([(self._start, 0.0)], maxlen=11)
+        self._recent: deque[tuple[float, float]] = deque(maxlen=11)
         self._refinements = 0
         self._shown = (self._start, 0.0)
         if self._bar is not None:
@@ -106,8 +110,6 @@ class RunProgress(_Live):
     def start(self, simulation: Simulation) -> None:
         """Say what is about to run."""
         now = time.monotonic()
-        self._recent.clear()
-        self._recent.append((now, 0.0))
         kind = "full resolution" if simulation.full else f"adaptive, full resolution has {simulation.bodies_full}"
         self.say(
             f"{simulation.case.name}: {simulation.bodies_start} bodies ({kind}), built in {duration(now - self._start)}"
@@ -151,10 +153,14 @@ class RunProgress(_Live):
         return f" ({100 * load / peak:.0f} % of the peak)" if step.control == "dissipation" and load < peak else ""
 
     def _left(self) -> float | None:
-        """Time [s] to the end at the pace of the last steps; None when there is no pace."""
-        then, before = self._recent[0]
-        now, share = self._recent[-1]
-        return (1.0 - share) * (now - then) / (share - before) if share > before else None
+        """Time [s] to the end at the pace of the last steps; None as long as this pace is no guide."""
+        (then, before), (now, share) = self._recent[0], self._recent[-1]
+        steps = len(self._recent) - 1
+        if share < KNOWN_SHARE or steps < KNOWN_STEPS or share <= before:
+            return None
+        last = share - self._recent[-2][1]
+        growing = last * steps > 2.0 * (share - before)
+        return None if growing else (1.0 - share) * (now - then) / (share - before)
 
 
 class ManyProgress(_Live):
