@@ -80,6 +80,14 @@ def test_pictures_of_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert done.exit_code == 0
     assert done.stdout == f"animation: {folder / 'refinement.gif'}, {len(LOADS) + 1} frames\n"
     assert (folder / "refinement.gif").stat().st_size > 0
+    # Wherever one stands.
+    monkeypatch.chdir(folder)
+    assert call("moments", ".").stdout == "picture: moments.png\n"
+    assert call("moments", "..").stderr.startswith(f"error: {tmp_path}: holds no results of a run")
+    (folder / "compare.png").write_text("mine")
+    done = call("compare", ".", ".")
+    assert done.stderr.startswith("error: --plot: compare.png is there, and Fissura did not write it")
+    assert (folder / "compare.png").read_text() == "mine"
     for name in ("x.abc", "x"):
         done = call("moments", folder, "--output", folder / name)
         assert done.exit_code == 2

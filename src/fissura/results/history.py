@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fissura.errors import InputError
 from fissura.results.archive import read_archive, write_archive
 from fissura.results.section import Rows, Section, cut
-from fissura.results.summary import read_summary
+from fissura.results.summary import read_summary, result_folder
 
 if TYPE_CHECKING:
     from fissura.step import Snapshot, Step
@@ -159,9 +159,7 @@ def read_history(folder: str | Path) -> tuple[Frame, ...]:
     InputError
         There is no such folder, the run has not ended, an earlier version wrote its files, or the file is damaged.
     """
-    folder = Path(folder)
-    if not folder.is_dir():
-        raise InputError(str(folder), "there is no such folder", "the folder of a Fissura run")
+    folder = result_folder(folder)
     summary, path = read_summary(folder / "summary.json"), folder / FILE
     if not path.exists():
         if summary.get("status") == "running":

@@ -15,7 +15,7 @@ from fissura.results import quantities as text
 from fissura.results.curve import COLUMN_OF, COLUMNS, Curve, read_curve
 from fissura.results.peak import peak_position
 from fissura.results.state import read_state
-from fissura.results.summary import curve_numbers, read_summary
+from fissura.results.summary import curve_numbers, read_summary, result_folder
 
 if TYPE_CHECKING:
     from fissura.case import Case, Quantity
@@ -67,9 +67,7 @@ class Result:
         from fissura.case import case_from_dict
         from fissura.case.load import read_json
 
-        folder = Path(folder)
-        if not folder.is_dir():
-            raise InputError(str(folder), "there is no such folder", "the folder of a Fissura run")
+        folder = result_folder(folder)
         curve, summary = read_curve(folder / "curve.csv"), read_summary(folder / "summary.json")
         if summary.get("status") == "running" and set(COLUMNS) <= set(curve):
             summary |= curve_numbers(curve)  # it is written every second only, the curve after every step

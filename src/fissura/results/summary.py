@@ -31,6 +31,7 @@ __all__ = [
     "curve_numbers",
     "peak_memory",
     "read_summary",
+    "result_folder",
     "write_summary",
 ]
 
@@ -251,6 +252,23 @@ def read_summary(path: str | Path) -> dict[str, Any]:
     if not isinstance(version, int) or version > FORMAT_VERSION:
         raise InputError(str(path), f"format_version is {version}", f"{allowed}, of version 1 to {FORMAT_VERSION}")
     return dict(summary)
+
+
+def result_folder(folder: str | Path) -> Path:
+    """Folder of a run's results.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, or no run has left anything in it. The key is a path that tells, for ``"."``, too.
+    """
+    folder = Path(folder)
+    shown = folder.resolve() if folder.name in ("", "..") else folder
+    if not folder.is_dir():
+        raise InputError(str(shown), "there is no such folder", "the folder of a Fissura run")
+    if not (folder / "summary.json").exists():
+        raise InputError(str(shown), "holds no results of a run (no summary.json)", "the folder of a Fissura run")
+    return folder
 
 
 def _last(curve: Curve, name: str) -> Any:
