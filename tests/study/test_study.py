@@ -301,12 +301,12 @@ def test_processes_give_the_same_results_and_can_be_interrupted(finished, tmp_pa
     ) as running:
         assert running.stderr is not None
         assert "3 runs" in running.stderr.readline()
-        while not list((tmp_path / "out").rglob("*.npz")):
+        while not list((tmp_path / "out").rglob("[!.]*.npz")):
             assert running.poll() is None
             time.sleep(0.02)
         os.killpg(running.pid, signal.SIGINT)
         assert running.wait(60) == 130
-    saved = {p.name for p in (tmp_path / "out").rglob("*.npz")}
+    saved = {p.name for p in (tmp_path / "out").rglob("[!.]*.npz")}
     assert saved
     done = subprocess.run(start, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=True)
     if len(saved) < 3:
