@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -45,6 +46,11 @@ def wait_for_ever(folder: str) -> None:
         (Path(folder) / "tidied").touch()
 
 
+def warn(x: int) -> int:
+    logging.getLogger("fissura.api").warning("something looks wrong in %d", x)
+    return x
+
+
 def refuse() -> None:
     raise ValueError("no kernels")
 
@@ -58,6 +64,11 @@ def listening() -> set[int]:
         for connection in process.net_connections(kind="inet")
         if connection.status == psutil.CONN_LISTEN
     }
+
+
+def test_processes_do_not_repeat_warnings_that_results_hold(capfd: pytest.CaptureFixture[str]) -> None:
+    assert sorted(computed(warn, range(3), 2)) == [(k, k) for k in range(3)]
+    assert "looks wrong" not in capfd.readouterr().err
 
 
 def test_all_tasks_are_computed_and_taken_as_needed() -> None:

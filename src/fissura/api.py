@@ -120,6 +120,8 @@ def _recorded(simulation: Simulation, folder: Path | None, on_step: Callable[[St
         if recorder is not None:
             status = "refused" if isinstance(error, InputError) else "failed"
             message = str(error) if isinstance(error, FissuraError) else f"{type(error).__name__}: {error}"
+            if isinstance(error, OSError):
+                message = f"a file could not be written: {error.strerror or error}"
             with suppress(Exception):  # the first error is the one to tell
                 error.result = recorder.finish(status, message)  # type: ignore[attr-defined]
         raise

@@ -7,6 +7,7 @@ one takes over.
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import sys
@@ -238,6 +239,8 @@ def _serve(pipe: Connection, run: Callable[[T], R], prepare: Callable[[], None] 
     if hasattr(signal, "SIGHUP"):
         signal.signal(signal.SIGHUP, signal.SIG_IGN)  # of a terminal that closes; the one that started it decides
     prepare_cache(say=False)
+    # What runs warn of is part of their results; so many processes would only repeat each other.
+    logging.getLogger("fissura").addHandler(logging.NullHandler())
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(1))  # temporary folders are removed on the way
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:

@@ -181,6 +181,15 @@ def test_an_ensemble_of_failures_still_has_a_page(tiny: Build, tmp_path: Path, m
     assert "3 failed" in check_page(tmp_path, 0)
 
 
+@pytest.mark.usefixtures("inline", "few_pictures")
+def test_what_runs_warn_of_is_told_once(tiny: Build, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    run_ensemble(tiny(), 3, output=tmp_path)
+    told = [r.getMessage() for r in caplog.records if r.name == "fissura.ensemble.runner"]
+    assert sum(text.startswith("specimen.size: ") for text in told) == 1
+    assert len({text.partition(":")[0] for text in told}) == len(told)
+    assert all(text.endswith("(companion 0000, perhaps others)") for text in told)
+
+
 @pytest.mark.usefixtures("inline")
 def test_a_single_run_has_no_scatter(tiny: Build, tmp_path: Path) -> None:
     result = run_ensemble(tiny(), 1, output=tmp_path, companions="none", mode="field")

@@ -222,11 +222,16 @@ def collect(
     OSError
         A file cannot be written.
     """
-    left = set(missing)
+    left, warned = set(missing), set[str]()
     try:
         for outcome in arriving:
             summary = store.write(outcome)
             left.discard(outcome.task.key)
+            for text in summary.get("warnings", ()):  # of each kind one: every run has its own numbers
+                key = text.partition(":")[0]
+                if key not in warned:
+                    warned.add(key)
+                    _log.warning("%s (%s %04d, perhaps others)", text, *outcome.task.key)
             if on_outcome is not None:
                 on_outcome(summary)
     except EnsembleStopped as error:
