@@ -78,7 +78,7 @@ print(json.dumps(found))
 
 TEXT = """\
 `fissura run` of `{name}` with `l_f` {spacing}, from the start of the process to the end of the first step; kernels come
-from numba's cache. Medians of {count} processes.
+from their cache. Medians of {count} processes.
 """
 
 Times = tuple[float, float]

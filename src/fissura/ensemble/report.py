@@ -74,7 +74,7 @@ def write_report(result: EnsembleResult) -> None:
             source=result.plan.case.source,
         )
     )
-    write_atomically(result.folder / "report.html", page.encode())
+    write_atomically(result.folder / "report.html", page.encode(errors="replace"))
 
 
 def _pictures(result: EnsembleResult) -> list[dict[str, str]]:
