@@ -78,6 +78,7 @@ def started(case: Path) -> subprocess.Popen[str]:
     return process
 
 
+@pytest.mark.slow
 def test_a_terminal_that_closes_ends_a_run_and_saves_it(tiny: Path) -> None:
     process = started(tiny)
     assert process.stderr is not None
