@@ -208,6 +208,18 @@ def test_history_of_tension_weakens_shear_but_not_pure_compression():
     assert a[0, 0] == pytest.approx(b[0, 0], rel=1e-13)
 
 
+@pytest.mark.parametrize("opened", [2.0, 50.0, 5000.0])
+def test_a_crack_that_closes_keeps_its_damage(opened):
+    """Contact is not restored: what has opened far carries next to nothing when it is pressed."""
+    law = law_of(1)
+    _, history = law.response(np.array([[opened, 0.0, 0.0]]) * YIELD, law.initial_history())
+    closed = np.array([[-10.0, 0.0, 0.0]]) * YIELD
+    traction, after = law.response(closed, history)
+    np.testing.assert_array_equal(after[:, 0], history[:, 0])
+    assert traction[0, 0] == pytest.approx((1.0 - history[0, 0]) * CONCRETE.E * closed[0, 0], rel=1e-13)
+    assert (traction[0, 0] / (CONCRETE.E * closed[0, 0]) < 1e-3) == (opened == 5000.0)
+
+
 def test_tangential_directions_are_alike():
     rng = np.random.default_rng(4)
     law = law_of(200)

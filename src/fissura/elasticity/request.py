@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.bulk import bulk_law, voigt
+from fissura.bulk_tension import bulk_tension
 from fissura.case.units import NUMBER, STRESS, Dimension, to_si
 from fissura.errors import InputError
 from fissura.files import write_atomically
@@ -133,8 +134,43 @@ def _constants(E: float, alpha: float) -> list[tuple[str, str]]:
     ]
 
 
+def _tension(case: Case) -> list[tuple[str, str]]:
+    """Rows of strength and fracture energy of the material as a whole in tension."""
+    m, known = case.material, bulk_tension()
+    brittleness = 2.0 * m.E * m.G_t / m.f_t**2 / case.discretization.l_f
+    strength, energy = known.strength(brittleness, m.alpha), known.energy(brittleness, m.alpha)
+    prisms = sum(group.prisms for group in known.groups)
+    rows = [
+        ("contacts: f_t, G_t", f"{_stress(m.f_t)}, {m.G_t:.4g} J/m^2"),
+        (
+            "whole: strength",
+            f"{_stress(strength[0] * m.f_t)} to {_stress(strength[1] * m.f_t)}, {_times(strength)} f_t",
+        ),
+        ("whole: fracture energy", f"{energy[0] * m.G_t:.3g} to {energy[1] * m.G_t:.3g} J/m^2, {_times(energy)} G_t"),
+        ("measured on", f"{prisms} prisms pulled apart (docs/theory.md); single ones, ± a standard deviation"),
+    ]
+    notes = [
+        f"{what} is {value:.3g}, measured from {low:g} to {high:g}"
+        for what, value, (low, high) in (
+            ("l_t / l_f", brittleness, known.limits("brittleness")),
+            ("alpha", m.alpha, known.limits("alpha")),
+        )
+        if not low <= value <= high
+    ]
+    usual = ((m.f_s, 3.0 * m.f_t), (m.f_c, 16.0 * m.f_t), (m.G_s, 16.0 * m.G_t))
+    if not all(math.isclose(value, default, rel_tol=1e-6) for value, default in usual):
+        notes.append("measured with the default f_s, f_c and G_s")
+    if case.field is not None:
+        notes.append("measured without a random field, which weakens")
+    return [*rows, *(("but", note) for note in notes)]
+
+
+def _times(factors: tuple[float, float]) -> str:
+    return f"{factors[0]:.2f} to {factors[1]:.2f}"
+
+
 def case_rows(case: Case) -> list[tuple[str, str]]:
-    """Elastic constants of a case's contacts and of its material as a whole.
+    """Constants of a case's contacts and of its material as a whole: elastic ones, strength and fracture energy.
 
     Raises
     ------
@@ -142,7 +178,7 @@ def case_rows(case: Case) -> list[tuple[str, str]]:
         An `alpha` for which there are no bulk values.
     """
     try:
-        return [("case", case.name), *_constants(case.material.E, case.material.alpha)]
+        return [("case", case.name), *_constants(case.material.E, case.material.alpha), *_tension(case)]
     except InputError as error:
         raise InputError(f"material.{error.key}", error.problem, error.allowed) from None
 
