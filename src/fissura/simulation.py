@@ -27,6 +27,7 @@ from fissura.equilibrium import (
     settle,
 )
 from fissura.errors import InputError, Notice, RunStopped
+from fissura.jumps import Jumps
 from fissura.memory import within_memory
 from fissura.specimen import backward_gauge
 from fissura.step import Snapshot, Step
@@ -62,6 +63,7 @@ class _Path:
     system: System
     now: Equilibrium
     before: Equilibrium | None = None
+    limit: float = np.inf  # controlled quantity at which the first contact of the start came to its strength
     number: int = 0
     displacement: float = 0.0  # of the load
     load: float = 0.0
@@ -126,6 +128,7 @@ class Simulation:
         self.bodies_start = len(self.tessellation)
         self.initial_stiffness = float("nan")
         self._met: list[Notice] = []
+        self._jumps = Jumps()
         self.cpu_repeated = self.cpu_refining = 0.0
 
     @property
@@ -141,7 +144,7 @@ class Simulation:
     @property
     def notices(self) -> tuple[Notice, ...]:
         """What looks wrong in the case, and what a run has met so far."""
-        return (*self._structure.notices, *self._met)
+        return (*self._structure.notices, *self._met, *self._jumps.notices())
 
     @property
     def elastic_scale(self) -> float:
@@ -153,7 +156,7 @@ class Simulation:
         structure = self._structure
         try:
             system = structure.calibrate()
-            self.initial_stiffness = settle(system, system.virgin(), 1.0).load
+            unit = settle(system, system.virgin(), 1.0)
         except UnmovedGaugeError as error:
             raise InputError(
                 "gauge" if self.case.quantity == "gauge" else "load",
@@ -164,6 +167,7 @@ class Simulation:
             raise InputError(
                 "supports", f"the structure is a mechanism ({error})", "supports that hold all of the specimen"
             ) from error
+        self.initial_stiffness = unit.load
         if self.initial_stiffness < 0.0:
             raise backward_gauge(system.conditions, self.initial_stiffness)
         if structure.compliance is not None:
@@ -177,7 +181,8 @@ class Simulation:
                     "a smaller l_c, or a larger adaptivity.r_f (adaptivity.calibrate = false runs it all the same)",
                 )
         rest = system.response(np.zeros(system.size), system.virgin())
-        return _Path(system, Equilibrium(rest, 0.0, 0.0))
+        used = system.largest_utilisation(unit.response)
+        return _Path(system, Equilibrium(rest, 0.0, 0.0), limit=1.0 / used if used > 0.0 else np.inf)
 
     def steps(self) -> Iterator[Step]:
         """Accepted steps, until the target is reached.
@@ -198,9 +203,8 @@ class Simulation:
         solver = StepSolver(control.tolerance, control.max_iterations)
         with stopping(lambda: (1, 0.0), refusing=True):
             path = self._start()
-        follower = PathFollower(
-            control, self.case.material.G_t * self._structure.box.smallest_section, self.case.quantity
-        )
+        energy = self.case.material.G_t * self._structure.box.smallest_section
+        follower = PathFollower(control, energy, self.case.quantity, path.limit)
         while not follower.ended(path.now.value, path.load, path.peak):
             goal = follower.goal(path.now.value)
             value, dissipated = path.now.value, path.dissipated
@@ -208,6 +212,7 @@ class Simulation:
                 attempt = self._attempt(path, solver, follower, goal)
             if attempt is not None:
                 step, last = attempt
+                self._jumps.accepted(step.number, step.gauge, step.load, last)
                 follower.succeeded(goal, last, step.controlled - value, path.dissipated - dissipated, step.controlled)
                 yield step
                 if not follower.ended(path.now.value, path.load, path.peak):
@@ -216,7 +221,7 @@ class Simulation:
             elif not follower.failed(unloaded=path.now.load == 0.0):
                 raise RunStopped(
                     f"no equilibrium within {control.max_iterations} iterations, even with a step of"
-                    f" {follower.length:.3g} m (control.min_step is {control.min_step:.3g} m)",
+                    f" {follower.length:.3g} m (the smallest one is {follower.smallest:.3g} m, see control.min_step)",
                     path.number + 1,
                     goal.size,
                 )
@@ -239,9 +244,12 @@ class Simulation:
             path.factorizations += system.factorizations - counted
             path.linear_iterations += solver.linear_iterations
             if found is None:
+                self._jumps.failed()
                 path.iterations += goal.patience * solver.max_iterations
                 return None
             path.iterations += found.iterations
+            if follower.is_leap(goal, path.now, found, path.peak):
+                return None
             if follower.is_jump(goal, abs(path.load) - abs(found.load), path.peak):
                 return None
             state, criterion = self._structure.assess(found.response, found.load)

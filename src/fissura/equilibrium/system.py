@@ -366,6 +366,11 @@ class System:
         supports = [np.concatenate(owners_of[a:b]) for a, b in pairwise(ends)]
         return carried(self.tessellation, [owners_of[0], *supports])
 
+    def largest_utilisation(self, response: Response) -> float:
+        """Largest effective traction over strength of all contacts, as if none were damaged."""
+        active = self.law.utilisation(response.strain[self.active])
+        return max(float(active.max(initial=0.0)), float(self.elastic_utilisation(response).max(initial=0.0)))
+
     def stress(self, response: Response, load: float) -> FloatArray:
         """Stress in bodies [Pa], with the forces of load and supports at their points; shape (n, 3, 3)."""
         sizes = (load, *self.support_forces(response))
