@@ -42,8 +42,10 @@ __all__ = ["Response", "System"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Supports are this many times stiffer than a typical contact. Their displacement is then 1e-6 of the specimen's,
-#: and round-off still far below the tolerance of equilibrium.
+#: Supports are this many times stiffer than a typical contact, times the bodies that they hold. The structure resists a
+#: support's motion with at most a few contacts of each of these, whatever its size: so supports take at most 4e-5 of
+#: its deformation (slabs one body thick between two faces), 1e-5 of cubes, which falls as they grow, and 1e-6 of beams.
+#: Round-off stays far below the tolerance of equilibrium, also where contacts have lost their stiffness.
 _SUPPORT_STIFFNESS = 1e5
 
 #: Bodies up to which a support enters the matrix, as a dense block: as many entries as 240 bodies of the inside have.
@@ -171,8 +173,7 @@ class System:
         rows = attach_rows(conditions.supports, tessellation, self._acting_bodies[len(conditions.load.points) :])
         self.support_dofs: IntArray = np.unique(rows.indices).astype(np.int64)
         self.support_rows: FloatArray = rows[:, self.support_dofs].toarray()
-        typical = material.E * float(np.median(contacts.area / contacts.length))
-        self.support_stiffness = _SUPPORT_STIFFNESS * typical
+        self.support_stiffness: FloatArray = self._support_stiffness(rows)
         self.constant, wide = self._supports(rows)
         self.pattern: Pattern = pattern(self.geometry, self.constant, self._spin(), wide)
         self.symmetric = SymmetricSolver(self.pattern, tessellation.x, linear, team)
@@ -216,12 +217,28 @@ class System:
         other.prepared = PreparedSecant(other, self.symmetric)
         return other
 
+    def _support_stiffness(self, rows: csr_array) -> FloatArray:
+        """Stiffness of the functionals of supports [N/m], shape (r,): it goes with the bodies that one holds.
+
+        A functional whose coefficients are shared by N bodies moves by the mean of their displacements, and the
+        structure resists that with some contacts of each of them.
+        """
+        contacts = self.tessellation.contacts
+        ends, length = contacts.bodies.ravel(), np.repeat(contacts.length, 2)
+        count = np.bincount(ends, minlength=len(self.tessellation))
+        arm = 0.5 * np.bincount(ends, length, len(count)) / np.maximum(count, 1)
+        entries = rows.tocoo()
+        share = entries.data / np.where(entries.col % 6 < 3, 1.0, arm[entries.col // 6])
+        shares = np.bincount(entries.row, share**2, rows.shape[0])
+        typical = self.material.E * float(np.median(contacts.area / contacts.length))
+        return np.asarray(_SUPPORT_STIFFNESS * typical / shares, dtype=np.float64)
+
     def _supports(self, rows: csr_array) -> tuple[csr_array, LowRank]:
         """Stiffness of the supports: that of narrow ones as a matrix, that of wide ones as its few rows."""
         held = np.array([len(np.unique(rows.indices[a:b] // 6)) for a, b in pairwise(rows.indptr)])
-        narrow = csr_array(rows[held <= _NARROW])
-        wide = LowRank.of(csr_array(rows[held > _NARROW]), self.support_stiffness)
-        return csr_array(self.support_stiffness * (narrow.T @ narrow)), wide
+        scaled = csr_array(rows.multiply(np.sqrt(self.support_stiffness)[:, None]))
+        narrow = csr_array(scaled[held <= _NARROW])
+        return csr_array(narrow.T @ narrow), LowRank.of(csr_array(scaled[held > _NARROW]), 1.0)
 
     def _spin(self) -> FloatArray:
         """A trace of rotational stiffness in every contact [N m], shape (m,).
