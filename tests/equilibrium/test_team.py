@@ -183,3 +183,12 @@ def test_gmres_is_the_same_for_any_team():
     }
     assert len(found) == 1
     np.testing.assert_allclose(diagonal * np.frombuffer(found.pop()), 1.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("asked", ["x", "-1", "0", "1.5", "", "10001", "9" * 5000, "１"])
+def test_odd_numbers_of_threads_in_the_environment(monkeypatch, asked):
+    monkeypatch.setenv(VARIABLE, asked)
+    with pytest.raises(InputError, match="1 to 10000") as caught:
+        Team()
+    assert caught.value.key == VARIABLE
+    assert len(str(caught.value)) < 300

@@ -37,7 +37,7 @@ def elastic(
     ] = None,
     alpha: Annotated[str, typer.Option(help="Tangential over normal stiffness of contacts.")] = ALPHA,
     sizes: Annotated[str, typer.Option(help="Sides of cells and widths of prisms, in l_min.")] = "4,6,8,12",
-    seeds: Annotated[int, typer.Option(min=1, help="Number of structures of each kind and size.")] = 5,
+    seeds: Annotated[int, typer.Option(min=1, max=1000, help="Number of structures of each kind and size.")] = 5,
     aspect: Annotated[float, typer.Option(min=1.0, max=10.0, help="Length over width of prisms; 1: cubes.")] = 2.0,
     modulus: Annotated[
         str | None, typer.Option("--E", metavar="STRESS", help='Modulus of contacts, "60 GPa"; else all are relative.')
@@ -65,7 +65,7 @@ def elastic(
             print_table(request.case_rows(load_case(case)))
         else:
             E = None if modulus is None else request.parse_modulus(modulus, "--E")
-            wanted = request.parse_numbers(alpha, "--alpha", 0.0, 1.0, above=True)
+            wanted = request.parse_numbers(alpha, "--alpha", 0.001, 1.0)
             widths = request.parse_numbers(sizes, "--sizes", request.SMALLEST, request.LARGEST)
             _study(wanted, widths, seeds, aspect, E, output, overwrite)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from fissura.bulk import bulk_law, voigt
 from fissura.bulk_tension import bulk_tension
+from fissura.case.ranges import BULK_MODULI, MODULI, Range, between
 from fissura.case.units import NUMBER, STRESS, Dimension, to_si
 from fissura.errors import InputError
 from fissura.files import write_atomically
@@ -35,11 +36,14 @@ __all__ = [
 #: Sizes of cells and prisms in ``l_min``: smaller ones have bodies that touch themselves, larger ones take gigabytes.
 SMALLEST, LARGEST = 4.0, 20.0
 
+#: Most numbers in a list.
+_MOST_NUMBERS = 100
+
 _CONCRETE = 0.29
 _KINDS = {"periodic": "periodic cell", "gauge": "prism, gauge", "ends": "prism, end to end"}
 
 
-def parse_numbers(text: str, key: str, low: float, high: float, *, above: bool = False) -> tuple[float, ...]:
+def parse_numbers(text: str, key: str, low: float, high: float) -> tuple[float, ...]:
     """Numbers separated by commas.
 
     Parameters
@@ -50,22 +54,21 @@ def parse_numbers(text: str, key: str, low: float, high: float, *, above: bool =
         The option, for the message.
     low, high : float
         Smallest and largest number allowed.
-    above : bool
-        Whether `low` itself is not allowed.
 
     Raises
     ------
     InputError
-        Text that is not such a list.
+        Text that is not such a list, or a list of too many.
     """
-    limits = f"{'above' if above else 'from'} {low:g} to {high:g}"
-    allowed = f"numbers {limits}, separated by commas"
+    allowed = f"at most {_MOST_NUMBERS} numbers from {low:g} to {high:g}, separated by commas"
     try:
         numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
         raise InputError(key, f"{text!r} is not a list of numbers", allowed) from None
+    if len(numbers) > _MOST_NUMBERS:
+        raise InputError(key, f"the list has {len(numbers)} entries", allowed)
     for number in numbers:
-        if not low <= number <= high or (above and number == low):
+        if not low <= number <= high:
             raise InputError(key, f"{number:g} is out of range", allowed)
     return numbers
 
@@ -78,10 +81,10 @@ def parse_modulus(text: str, key: str) -> float:
     InputError
         Anything else.
     """
-    return _positive(text, key, STRESS)
+    return _parsed(text, key, STRESS, MODULI)
 
 
-def _positive(text: str, key: str, dimension: Dimension) -> float:
+def _parsed(text: str, key: str, dimension: Dimension, limits: Range) -> float:
     value: str | float = text
     try:
         value = float(text)
@@ -92,8 +95,8 @@ def _positive(text: str, key: str, dimension: Dimension) -> float:
         number = to_si(value, dimension)
     except ValueError as error:
         raise InputError(key, str(error), dimension.allowed) from None
-    if number < 0.0 or (number == 0.0 and dimension.unit):
-        raise InputError(key, f"{text!r} is not positive", dimension.allowed)
+    if wrong := limits.what_is_wrong(number):
+        raise InputError(key, f"{text!r} is {wrong}", f"{dimension.allowed}, {limits.text}")
     return number
 
 
@@ -114,7 +117,10 @@ def parse_inverse(parts: Sequence[str]) -> tuple[float, float]:
         found[name] = value
     if set(found) != {"E", "nu"}:
         raise InputError("--inverse", "needs both E and nu", allowed)
-    return _positive(found["E"], "--inverse E", STRESS), _positive(found["nu"], "--inverse nu", NUMBER)
+    return (
+        _parsed(found["E"], "--inverse E", STRESS, BULK_MODULI),
+        _parsed(found["nu"], "--inverse nu", NUMBER, between(0.0, 0.5, words=False)),
+    )
 
 
 def _stress(value: float) -> str:

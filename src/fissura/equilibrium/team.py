@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.case.units import show
 from fissura.errors import InputError
 from fissura.threads import VARIABLE, usable_processors
 
@@ -21,14 +22,17 @@ __all__ = ["ALONE", "Team"]
 #: Large structures fall into so many domains, and more threads would wait for memory.
 _MOST = 4
 
+#: Most threads that may be asked for, in the environment as in a case.
+_MOST_ASKED = 10_000
+
 
 def _usual() -> int:
     """Threads where nothing is asked for."""
     asked = os.environ.get(VARIABLE)
     if asked is None:
         return min(usable_processors(), _MOST)
-    if not asked.isascii() or not asked.isdigit() or int(asked) < 1:
-        raise InputError(VARIABLE, f"{asked!r} is not a number of threads", "a whole number, 1 or more")
+    if not asked.isascii() or not asked.isdigit() or len(asked) > 5 or not 1 <= int(asked) <= _MOST_ASKED:
+        raise InputError(VARIABLE, f"{show(asked)} is not a number of threads", f"a whole number, 1 to {_MOST_ASKED}")
     return int(asked)
 
 
