@@ -10,6 +10,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from typer import Exit
+
+from fissura.cli.console import check_ending, writing
+from fissura.errors import InputError
 
 from .fakes import call
 
@@ -97,3 +101,23 @@ def test_pictures_of_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert done.exit_code == 4
     (folder / "section.npz").unlink()
     assert "run again" in call("animate", folder).stderr
+
+
+@pytest.mark.parametrize("name", ["x", "x.xyz", ".png", "x.toml"])
+def test_endings_that_are_no_pictures(name: str) -> None:
+    with pytest.raises(InputError, match=r"\.png, \.pdf or \.svg") as caught:
+        check_ending(Path(name), "--plot")
+    assert caught.value.key == "--plot"
+
+
+@pytest.mark.parametrize("name", ["x.png", "x.PDF", "dir.d/x.svg"])
+def test_endings_of_pictures(name: str) -> None:
+    check_ending(Path(name), "--plot")
+
+
+def test_a_fault_while_drawing_is_not_blamed_on_the_name_of_the_picture(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="zero-size"), writing(tmp_path / "x.png"):
+        raise ValueError("zero-size array")
+    with pytest.raises(Exit) as caught, writing(tmp_path / "x.png"):
+        raise OSError(28, "No space left on device")
+    assert caught.value.exit_code == 4

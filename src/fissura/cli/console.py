@@ -95,37 +95,35 @@ def not_written(error: OSError, where: str | Path, kept: str = "") -> typer.Exit
 
 
 @contextmanager
-def writing(picture: Path, option: str) -> Iterator[None]:
+def writing(picture: Path) -> Iterator[None]:
     """Turn what can go wrong in writing a picture into a message, and show warnings on the way.
 
     Parameters
     ----------
     picture : Path
         The file.
-    option : str
-        The option that names it.
     """
     try:
         with warnings(Console(stderr=True)):
             yield
     except OSError as error:
         raise not_written(error, picture) from None
-    except ValueError as error:  # matplotlib does not know the file's type
-        if isinstance(error, FissuraError):
-            raise
-        raise InputError(option, f"{picture}: {error}", _PICTURES) from None
 
 
 def check_ending(picture: Path, option: str) -> None:
-    """Refuse a picture whose name has no ending, to which one would be added unasked.
+    """Refuse a picture whose name has no ending, to which one would be added unasked, or one of no picture.
 
     Raises
     ------
     InputError
-        There is none.
+        There is none, or matplotlib does not know it.
     """
+    from matplotlib.backend_bases import FigureCanvasBase
+
     if not picture.suffix:
         raise InputError(option, f"{picture}: no ending", _PICTURES)
+    if picture.suffix[1:].lower() not in FigureCanvasBase.filetypes:
+        raise InputError(option, f"{picture}: {picture.suffix} is no picture", _PICTURES)
 
 
 class Warnings(logging.Handler):

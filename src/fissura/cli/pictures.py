@@ -36,7 +36,7 @@ def compare(
         print_table(comparison.table(), title=f"{a} against {b}")
         picture = plot if plot is not None else a / "compare.png"
         check_ending(picture, "--plot")
-        with writing(picture, "--plot"):
+        with writing(picture):
             if plot is None:
                 claimed(picture, "--plot")
             comparison.plot(picture)
@@ -45,7 +45,7 @@ def compare(
             from fissura.results.moments import plot_bodies
 
             beside = picture.with_name(f"{picture.stem}_bodies{picture.suffix}")
-            with writing(beside, "--plot"):
+            with writing(beside):
                 if plot is None:
                     claimed(beside, "--plot")
                 plot_bodies(comparison, beside)
@@ -64,7 +64,7 @@ def moments(
 
         path = output if output is not None else folder / "moments.png"
         check_ending(path, "--output")
-        with writing(path, "--output"):
+        with writing(path):
             if output is None:
                 claimed(path, "--output")
             plot_moments(folder, path, stress=stress)
@@ -87,7 +87,7 @@ def animate(
         from fissura.results.animation import animate as write_animation
 
         path = output if output is not None else folder / "refinement.gif"
-        with writing(path, "--output"):
+        with writing(path):
             if output is None:
                 claimed(path, "--output")
             count = write_animation(folder, path, fps=fps, width=size, stress=stress)
