@@ -8,6 +8,7 @@ the status is 1 if anything is.
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
 import tempfile
 import time
@@ -30,6 +31,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="decides all of them (default: %(default)s)")
     parser.add_argument("--faults", type=int, default=10, help="how many faults to show (default: %(default)s)")
     given = parser.parse_args()
+    logging.getLogger("fissura").setLevel(logging.ERROR)
     tally, began = Tally(), time.process_time()
     end = given.first + given.trials
     for start in range(given.first, end, CHUNK):

@@ -297,6 +297,8 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     ("notch.normal", {"notch__normal": "w"}, '"x", "y" or "z"'),
     ("adaptivity.regions[0].type", {"adaptivity__regions": [{"type": "cone"}]}, '"ball" or "box"'),
     ("adaptivity.regions[0].type", {"adaptivity__regions": [{"radius": 1}]}, '"ball" or "box"'),
+    ("adaptivity.regions[0].type", {"adaptivity__regions": [{"type": 16**6000}]}, '"ball" or "box"'),
+    ("adaptivity.regions[0].type", {"adaptivity__regions": [{"type": ["ball"]}]}, '"ball" or "box"'),
     ("adaptivity.regions[0].radius", {"adaptivity__regions": [EMPTY_BALL]}, "a length"),
     ("material.elastic[0].type", {"material__elastic": [{"type": "cone"}]}, '"ball" or "box"'),
     ("material.elastic.radius", {"material__elastic": EMPTY_BALL}, "a length"),

@@ -67,10 +67,10 @@ def _number(rng: random.Random, value: Any) -> Any:
     """A number near, far, or on the other side of what stands there; of a text with a unit its number."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         return rng.choice(ODD)
-    text, _, unit = value.partition(" ") if isinstance(value, str) else (str(value), "", "")
+    text, _, unit = value.partition(" ") if isinstance(value, str) else (value, "", "")
     try:
         number = float(text)
-    except ValueError:
+    except (OverflowError, ValueError):
         return rng.choice(ODD)
     near = (0.1, 0.5, 0.7, 0.9, 1.1, 1.5, 2.0, 3.0, 10.0)
     number *= rng.choice((*near, *near, -1.0, 0.0, 1e-3, 1e3, 1e6, 1e-6, 10.0 ** rng.uniform(-20.0, 20.0)))

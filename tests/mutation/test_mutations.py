@@ -43,6 +43,13 @@ def raising(error: BaseException) -> Any:
     return fail
 
 
+class Muttering:
+    """Raises where nobody can catch it."""
+
+    def __del__(self) -> None:
+        raise ValueError("unheard")
+
+
 def busy(*_: Any) -> None:
     while time.process_time() >= 0.0:
         pass
@@ -59,6 +66,7 @@ def busy(*_: Any) -> None:
         (raising(InputError("nonsense", "is wrong", "right")), "names no key of the file"),
         (raising(InputError("solver.linear", "is wrong", "right")), "the message names solver.linear, and"),
         (busy, "hangs while reading"),
+        (lambda path: Muttering() and None, "that was ignored while building: ValueError: unheard"),
         (raising(RunStopped("reason", 1, 0.0)), ""),
         (lambda path: None, ""),
     ],

@@ -69,6 +69,44 @@ tolerance = "1 %"
 regions = { type = "ball", center = ["20 mm", "10 mm", "10 mm"], radius = "6 mm" }
 """
 
+PLATE = """
+seed = 5
+specimen = { size = ["60 mm", "30 mm", "15 mm"] }
+notch = [
+    { face = "bottom", normal = "x", position = "30 mm", depth = "6 mm", width = "3 mm" },
+    { face = "top", position = "30 mm", depth = "5 mm" },
+]
+supports = [
+    { type = "roller", face = "bottom", at = "8 mm", width = "6 mm" },
+    { type = "pin", face = "bottom", at = "52 mm", along = "x", width = "6 mm" },
+    { type = "roller", face = "front", point = ["30 mm", "15 mm", 0] },
+    { type = "clamp", face = "left" },
+]
+load = { face = "top", at = "22 mm", width = "4 mm", direction = [0.1, -1, 0] }
+gauge = { a = { face = "bottom", at = "26 mm" }, b = { face = "bottom", at = "34 mm" }, direction = [1, 0, 0] }
+discretization = { l_f = "5 mm", l_c = "12 mm" }
+adaptivity = { r_f = "10 mm", ahead = 0.9, calibrate = false, gamma_coarse = 0.4, r_w = "10 mm" }
+control = { type = "displacement", target = "0.02 mm", switch = false, max_iterations = 20, tolerance = 1e-4 }
+solver.linear = "two-level"
+[material]
+E = "60 GPa"
+alpha = 0.3
+f_t = "2.2 MPa"
+G_t = "35 Nm/m^2"
+K_c = "20 GPa"
+n_c = 1.5
+beta = 1.2
+elastic = { type = "ball", center = ["22 mm", "30 mm", "7 mm"], radius = "6 mm" }
+[field]
+length = ["40 mm", "20 mm", "30 mm"]
+correlation = "matern"
+nu = 1.5
+marginal = "gaussian"
+lower = 0.2
+variance_error = 0.05
+spacing = "12 mm"
+"""
+
 STUDY = """
 name = "two beams"
 seeds = [1, 2]
@@ -157,6 +195,13 @@ def _in_time(longest: float) -> Iterator[None]:
 
 
 @contextmanager
+def _unraised(found: list[str]) -> Iterator[None]:
+    """Gather what Python prints of exceptions that nobody can catch."""
+    with mock.patch("sys.unraisablehook", lambda about: found.append(f"{about.exc_type.__name__}: {about.exc_value}")):
+        yield
+
+
+@contextmanager
 def _small_fields() -> Iterator[None]:
     """Limits of random fields that make the largest ones quick; beyond them they are refused as ever."""
     with mock.patch.multiple("fissura.material.field.expansion", _MOST=1 << 16, _MOST_FINER=1 << 13, _SEPARABLE=2000):
@@ -187,18 +232,18 @@ def _made(rng: random.Random, files: dict[str, bytes]) -> _Made:
     (kind,) = rng.choices(list(_KINDS), list(_KINDS.values()))
     changes = rng.choice((1, 1, 1, 2, 5))
     if kind == "possible":
-        tables, touched = possible_tables(rng, tomllib.loads(rng.choice((BEAM, BAR))), changes)
+        tables, touched = possible_tables(rng, tomllib.loads(rng.choice((BEAM, BAR, PLATE))), changes)
         content = written(tables).encode()
         return _Made(kind, "main.toml", content, load_case, "main.toml", touched, frozenset(tables))
     if kind in ("case", "json", "study"):
-        base: Tables = tomllib.loads(STUDY if kind == "study" else rng.choice((BEAM, BAR)))
+        base: Tables = tomllib.loads(STUDY if kind == "study" else rng.choice((BEAM, BAR, PLATE)))
         tables, touched = mutated_tables(rng, base, changes)
         text = written_json(tables) if kind == "json" else written(tables)
         name = "main.json" if kind == "json" else "main.toml"
         read = load_plan if kind == "study" else load_case
         return _Made(kind, name, text.encode("utf-8", "replace"), read, name, touched, frozenset(tables))
     if kind in ("case text", "study text"):
-        base_text = (STUDY if kind == "study text" else rng.choice((BEAM, BAR))).encode()
+        base_text = (STUDY if kind == "study text" else rng.choice((BEAM, BAR, PLATE))).encode()
         read = load_plan if kind == "study text" else load_case
         return _Made(kind, "main.toml", mutated_bytes(rng, base_text, changes), read, "main.toml")
     if kind == "measured":
@@ -239,10 +284,10 @@ def _tried(made: _Made, number: int, folder: Path, longest: float) -> tuple[str,
     path = folder / made.name
     kept = path.read_bytes() if path.exists() else None
     path.write_bytes(made.content)
-    problem, end = "", "refused"
-    where = "reading"
+    problem, end, where = "", "refused", "reading"
+    unraised: list[str] = []
     try:
-        with _in_time(longest), warnings.catch_warnings():
+        with _in_time(longest), warnings.catch_warnings(), _unraised(unraised):
             warnings.simplefilter("error", RuntimeWarning)
             found = made.read(folder / made.main)
             where = "building"
@@ -260,6 +305,8 @@ def _tried(made: _Made, number: int, folder: Path, longest: float) -> tuple[str,
         problem, end = f"{type(error).__name__} while {where}: {str(error)[:200]}\n{last}", "traceback"
     finally:
         path.unlink() if kept is None else path.write_bytes(kept)
+    if unraised:
+        problem = f"prints an exception that was ignored while {where}: {unraised[0]}"
     return end, Fault(number, made.kind, problem, made.content) if problem else None
 
 
@@ -312,11 +359,12 @@ def trials(seed: int, numbers: range, folder: Path) -> Tally:
     for name, content in files.items():
         (folder / name).write_bytes(content)
     (folder / "nuclei.toml").write_text(BAR)
+    (folder / "plate.toml").write_text(PLATE)
     (folder / "npy.toml").write_text(BAR.replace("nuclei.txt", "nuclei.npy"))
     (folder / "nuclei.npy").write_bytes(_npy(files["nuclei.txt"]))
     if hasattr(os, "mkfifo"):
         os.mkfifo(folder / "pipe")
-    for name in ("beam.toml", "nuclei.toml", "npy.toml"):
+    for name in ("beam.toml", "nuclei.toml", "npy.toml", "plate.toml"):
         report(load_case(folder / name))  # they are right, and kernels are loaded before times count
         for _ in itertools.islice(Simulation(load_case(folder / name)).steps(), 2):
             pass

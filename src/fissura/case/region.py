@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from fissura.case.part import Part
 from fissura.case.types import Point, PositiveLength, fail
+from fissura.case.units import show
 
 __all__ = ["BallRegion", "BoxRegion", "Region"]
 
@@ -34,4 +36,12 @@ class BoxRegion(Part):
         return self
 
 
-Region = Annotated[BallRegion | BoxRegion, Field(discriminator="type")]
+def _named(value: Any) -> Any:
+    """Refuse a type that is no text: pydantic fails on the message about a number of thousands of digits."""
+    kind = value.get("type", "") if isinstance(value, Mapping) else ""
+    if not isinstance(kind, str):
+        fail(f"{show(kind)} is not known", '"ball" or "box"', "type")
+    return value
+
+
+Region = Annotated[BallRegion | BoxRegion, Field(discriminator="type"), BeforeValidator(_named)]

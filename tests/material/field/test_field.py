@@ -188,6 +188,8 @@ def test_chunks_change_nothing(monkeypatch):
         ({"leading": ["x"]}, "field.leading[0]", "list of numbers"),
         ({"leading": [0.0] * 1000}, "field.leading", "modes"),
         ({"length": "0.01 mm"}, "field.length", "nodes"),
+        ({"length": "1 mm", "spacing": "60 mm"}, "field.spacing", "nothing is left"),
+        ({"length": "1 mm", "spacing": "60 mm", "correlation": "exponential"}, "field.spacing", "nothing is left"),
         ({"energy": {"cross_correlation": 1.5}}, "field.energy.cross_correlation", "-1 to 1"),
         ({"energy": {"marginal": "beta"}}, "field.energy.marginal", "grafted"),
         ({"energy": {"marginal": "gaussian", "cov": 3.0}}, "field.energy.cov", "truncated"),

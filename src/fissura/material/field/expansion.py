@@ -29,6 +29,8 @@ _DENSE, _SEPARABLE = 300, 20_000
 #: Most nodes of a torus: as many as take about a gigabyte, and as many as a finer grid may have that only the
 #: variance error asks for.
 _MOST, _MOST_FINER = 1 << 24, 1 << 21
+#: Variance error from which on the variance that is left is round-off, and cannot be corrected.
+_NOTHING_LEFT = 1.0 - 1e-9
 
 
 class Expansion(Protocol):
@@ -72,7 +74,7 @@ def expand(
     Raises
     ------
     InputError
-        The correlation lengths, or the spacing, are too small for the box.
+        The correlation lengths, or the spacing, are too small for the box, or the spacing too large for the lengths.
     """
     steps = covariance.length * _SPACING if spacing is None else np.full(3, spacing)
     most = _SEPARABLE if covariance.model.separable else _DENSE
@@ -81,9 +83,10 @@ def expand(
     while np.prod(counts(size, finer), dtype=float) <= most:
         found: Expansion = small(covariance, size, finer, variance_error)
         if spacing is not None or found.accuracy.mean <= variance_error:
-            return _warned(found, variance_error)
+            return _looked_at(found, variance_error, covariance, spacing)
         finer = finer * _SHRINK
-    return _warned(_embedded(covariance, size, variance_error, steps, spacing), variance_error)
+    found = _embedded(covariance, size, variance_error, steps, spacing)
+    return _looked_at(found, variance_error, covariance, spacing)
 
 
 def _embedded(
@@ -113,8 +116,22 @@ def _embedded(
     return CirculantExpansion(covariance, size, steps)
 
 
-def _warned(expansion: Expansion, limit: float) -> Expansion:
+def _looked_at(expansion: Expansion, limit: float, covariance: Covariance, spacing: float | None) -> Expansion:
+    """The expansion, after a warning where its error is above the limit.
+
+    Raises
+    ------
+    InputError
+        There are points for which its grid knows nothing of the field.
+    """
     found = expansion.accuracy
+    if spacing is not None and found.largest > _NOTHING_LEFT:
+        length = float(covariance.length.min())
+        raise InputError(
+            "field.spacing",
+            f"{spacing:g} m: nothing is left of a field of correlation length {length:g} m between nodes so far apart",
+            f"about {length:g} m or less, better a third of that",
+        )
     if found.mean > limit:
         _log.warning(
             "the variance error of the field is %.2g %% on average, above field.variance_error = %.2g %%: it is"
