@@ -85,3 +85,8 @@ def test_rough_solutions_are_exact_enough(systems, gauge_is_load):
     found, expected = calibrated(iterative, target), calibrated(direct, target)
     assert found.elastic_scale == pytest.approx(expected.elastic_scale, rel=2e-4)
     assert gauge_compliance(expected) == pytest.approx(target, rel=1.5e-4)
+
+
+def test_a_gauge_that_the_load_does_not_move_is_left_to_the_start(systems):
+    adaptive, _ = systems
+    assert calibrated(adaptive, 0.0) is adaptive

@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import csr_array
 
 from equilibrium.models import beam, beam_system
-from fissura.equilibrium import SOLVERS, settle
+from fissura.equilibrium import SOLVERS, SingularMatrixError, settle
 from fissura.equilibrium import system as module
 from fissura.equilibrium.blocks import held_bodies
 from fissura.equilibrium.low_rank import LowRank
@@ -133,3 +133,16 @@ def test_nothing_at_all():
     none.add_sizes(out, out)
     assert len(none) == 0
     assert np.all(out == 1.0)
+
+
+def test_what_scipy_does_not_solve_is_a_singular_matrix(monkeypatch):
+    """A structure that hangs by a thread may overflow; SciPy calls that a ValueError."""
+    monkeypatch.setattr(module, "_NARROW", 0)
+    system = beam_system(beam(**BAR))
+
+    def refuse(matrix):
+        raise ValueError("array must not contain infs or NaNs")
+
+    monkeypatch.setattr("fissura.equilibrium.woodbury.lu_factor", refuse)
+    with pytest.raises(SingularMatrixError, match="infs or NaNs"):
+        SOLVERS["superlu"](system.pattern).factor(secant(system), symmetric=True)

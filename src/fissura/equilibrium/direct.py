@@ -49,7 +49,7 @@ class _Direct(ABC):
             self._factor(data if correction is None else correction.anchored(data), symmetric)
             if correction is not None:
                 correction.prepare(data, self._solve)
-        except (RuntimeError, np.linalg.LinAlgError) as error:
+        except (RuntimeError, ValueError) as error:  # also LinAlgError, and solutions that are not finite
             raise SingularMatrixError(str(error)) from error
 
     def solve(self, right: FloatArray, tolerance: float | None = None) -> FloatArray:
