@@ -42,6 +42,10 @@ def another(path: Path) -> None:
     path.write_text('{"format_version": 1}')
 
 
+def nested(path: Path) -> None:
+    path.write_text("[" * 100_000)
+
+
 @pytest.mark.parametrize(
     ("name", "damage", "said"),
     [
@@ -51,7 +55,8 @@ def another(path: Path) -> None:
         ("summary.json", Path.unlink, "cannot be read"),
         ("summary.json", renumbered, "is of run 7"),
         ("summary.json", another, "is not of a realisation"),
-        ("case.json", emptied, "cannot be read"),
+        ("case.json", emptied, "is not JSON"),
+        ("case.json", nested, "is nested too deeply"),
         ("curve.csv", emptied, "is damaged"),
         ("curve.csv", zeroed, "is damaged"),
         ("curve.csv", Path.unlink, "cannot be read"),

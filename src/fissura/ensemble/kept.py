@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
+from fissura.case.files import read_bytes
+from fissura.case.load import read_json
 from fissura.ensemble.plan import Key, Kind
 from fissura.errors import InputError
 from fissura.results.summary import read_summary
@@ -20,6 +21,9 @@ FOLDERS: dict[Kind, str] = {"companion": "companions", "run": "runs"}
 
 #: Names that are told of one kind; more would hide the other messages.
 _TOLD = 5
+
+#: Largest curve that is read.
+_MOST_BYTES = 500_000_000
 
 
 @dataclass(frozen=True)
@@ -101,13 +105,9 @@ def _whole(place: Path, kind: Kind, number: int) -> dict[str, Any]:
         raise InputError(str(path), "is not of a realisation")
     if (about.get("kind"), about.get("number")) != (kind, number):
         raise InputError(str(path), f"is of {about.get('kind')} {about.get('number')}")
-    path = place / "case.json"
-    try:
-        json.loads(path.read_bytes())
-        path = place / "curve.csv"
-        curve = path.read_bytes()
-    except (OSError, ValueError) as error:
-        raise InputError(str(path), "cannot be read") from error
+    read_json(place / "case.json", "the case.json of a Fissura run")
+    path = place / "curve.csv"
+    curve = read_bytes(path, str(path), "the curve.csv of a Fissura run", _MOST_BYTES)
     # A line for each step and one of names: a curve that lost its end has fewer.
     if curve.count(b"\n") != 1 + (summary.get("steps") or 0) or b"\0" in curve:
         raise InputError(str(path), "is damaged")

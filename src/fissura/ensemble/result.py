@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +15,6 @@ from fissura.ensemble.band import Band, band, write_band
 from fissura.ensemble.plan import Kind, Plan
 from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.table import Table, read_table, select
-from fissura.errors import InputError
 from fissura.files import write_json
 from fissura.results import quantities as text
 from fissura.results.curve import COLUMN_OF, read_curve
@@ -63,13 +61,11 @@ class EnsembleResult:
             There is no ensemble, or a file of it is broken.
         """
         from fissura.case import case_from_dict
+        from fissura.case.load import read_json
 
         folder = Path(folder)
         plan = read_summary(folder / "ensemble.json").get("plan", {})
-        try:
-            data = json.loads((folder / "case.json").read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise InputError(str(folder / "case.json"), "cannot be read", "the case.json of an ensemble") from error
+        data = read_json(folder / "case.json", "the case.json of an ensemble")
         case = case_from_dict(data, folder, files_exist=False)
         named = {name: plan[name] for name in ("runs", "mode", "sampling", "full", "companions", "keep")}
         if plan["leading_modes"] is not None:
