@@ -25,6 +25,7 @@ def test_a_case_of_numpy_is_the_same_case(small_case: Callable[..., Case]) -> No
         "material__E": 60000000000,
         "adaptivity__notch_tips": True,
         "control__max_iterations": 20,
+        "control__target": 1e-4,
         "field": {"length": [0.05, 0.06, 0.07], "leading": [0.5, -1.0], "seed": 3},
     }
     numpy: dict[str, Any] = {
@@ -35,7 +36,8 @@ def test_a_case_of_numpy_is_the_same_case(small_case: Callable[..., Case]) -> No
         "supports__0__at": None,
         "material__E": np.int64(60000000000),
         "adaptivity__notch_tips": np.bool_(True),
-        "control__max_iterations": np.uint8(20),
+        "control__max_iterations": np.array(20),
+        "control__target": np.array(1e-4),
         "field": {"length": np.array([0.05, 0.06, 0.07]), "leading": np.array([0.5, -1.0]), "seed": np.int32(3)},
     }
     case = small_case(**numpy)

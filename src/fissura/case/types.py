@@ -27,7 +27,7 @@ from fissura.case.ranges import (
     quantity,
 )
 from fissura.case.report import fail
-from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, show, to_si
+from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, plain, show, to_si
 
 __all__ = [
     "Alpha",
@@ -106,6 +106,7 @@ def _integer(smallest: int, largest: int = LARGEST_INTEGER) -> Callable[[Any], i
 
 def whole(value: Any) -> int | None:
     """A whole number of Python or NumPy as one of Python; None for anything else, truth values included."""
+    value = plain(value)
     return int(value) if not isinstance(value, bool) and isinstance(value, Integral) else None
 
 
@@ -118,9 +119,10 @@ def listed(value: Any) -> Any:
 
 
 def _flag(value: Any) -> bool:
-    if type(value).__name__ not in ("bool", "bool_"):  # Python's and NumPy's
+    truth = plain(value)
+    if not isinstance(truth, bool):
         fail(f"{show(value)} is neither true nor false", "true or false")
-    return bool(value)
+    return truth
 
 
 def _three(what: str) -> Callable[[Any], Any]:

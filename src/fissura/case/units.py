@@ -15,7 +15,7 @@ from fissura.errors import one_line
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["ENERGY_PER_AREA", "LENGTH", "NUMBER", "STRESS", "Dimension", "show", "to_si", "told"]
+__all__ = ["ENERGY_PER_AREA", "LENGTH", "NUMBER", "STRESS", "Dimension", "plain", "show", "to_si", "told"]
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
 _LONGEST, _LONGEST_SHOWN = 80, 60
@@ -91,9 +91,15 @@ def _registry() -> pint.UnitRegistry[float]:
     return pint.UnitRegistry()
 
 
+def plain(value: Any) -> Any:
+    """Python's number or truth value for one of NumPy, or for an array of a single one without axes."""
+    return value.item() if getattr(value, "ndim", None) == 0 else value
+
+
 def show(value: object) -> str:
     """Return a value as it looks in a case file, shortened to one readable line; any value can be shown."""
-    if type(value).__name__ in ("bool", "bool_"):  # Python's and NumPy's
+    value = plain(value)
+    if isinstance(value, bool):
         text = "true" if value else "false"
     elif isinstance(value, str):
         text = f'"{one_line(value, _LONGEST_SHOWN - 2)}"'
@@ -164,6 +170,7 @@ def to_si(value: Any, dimension: Dimension) -> float:
     >>> to_si(0.05, LENGTH)
     0.05
     """
+    value = plain(value)
     if isinstance(value, str):
         number = _parse(value, dimension)
     elif not isinstance(value, bool) and isinstance(value, Real):  # NumPy's numbers, too
