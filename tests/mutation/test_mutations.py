@@ -14,8 +14,9 @@ from fissura import InputError, RunStopped
 from fissura.case import load_case
 
 from . import trial as module
+from .files import BAR, BEAM, base_files
 from .mutate import mutated_bytes, mutated_tables, written
-from .trial import BAR, BEAM, Tally, trials
+from .trial import Tally, trials
 
 
 def shown(tally: Tally) -> str:
@@ -72,7 +73,7 @@ def busy(*_: Any) -> None:
     ],
 )
 def test_trials_tell_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, reader: Any, problem: str) -> None:
-    for name, content in module.base_files().items():
+    for name, content in base_files().items():
         (tmp_path / name).write_bytes(content)
     monkeypatch.setattr(module, "_KINDS", {"possible": 1})
     monkeypatch.setattr(module, "_LONGEST", 0.1)
@@ -86,11 +87,11 @@ def test_trials_tell_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 def touched_by(number: int) -> tuple[str, ...]:
-    return module._made(random.Random(f"1-{number}"), module.base_files()).touched
+    return module._made(random.Random(f"1-{number}"), base_files()).touched
 
 
 def test_a_mutation_is_made_again_from_its_seed() -> None:
-    files = module.base_files()
+    files = base_files()
     for number in range(50):
         one, two = (module._made(random.Random(f"1-{number}"), files) for _ in range(2))
         assert (one.content, one.touched, one.kind) == (two.content, two.touched, two.kind)
@@ -112,7 +113,7 @@ def test_tables_are_written_as_they_are_read(tmp_path: Path, text: str) -> None:
 
 
 def test_the_files_to_begin_with_are_right(tmp_path: Path) -> None:
-    for name, content in module.base_files().items():
+    for name, content in base_files().items():
         (tmp_path / name).write_bytes(content)
     (tmp_path / "bar.toml").write_text(BAR)
     assert load_case(tmp_path / "beam.toml").output.measured == (tmp_path / "measured.csv").resolve()
