@@ -99,7 +99,7 @@ def _loose() -> tuple[int, list[float]]:
     for width, seed in product((8.0, 12.0), range(1, 21)):
         prism = Prism(width, 2.0, 1.0, seed)
         stiffness = 1.0 / float(prism.system.load @ prism.solution(CONCRETE))
-        ratio = stiffness * prism.box.size[0] / width**2 / prism.constants(CONCRETE).E_whole
+        ratio = stiffness * prism.size[0] / width**2 / prism.constants(CONCRETE).E_whole
         count += 1
         if ratio < LOOSE:
             ratios.append(ratio)
@@ -128,7 +128,7 @@ def _profile(alpha: float, seeds: list[int]) -> tuple[FloatArray, FloatArray]:
     out = []
     for seed in seeds:
         prism = Prism(WIDE, 2.0, 1.0, seed)
-        tessellation, geometry, size = prism.system.tessellation, prism.system.geometry, np.asarray(prism.box.size)
+        tessellation, geometry, size = prism.system.tessellation, prism.system.geometry, np.asarray(prism.size)
         traction = np.array([1.0, alpha, alpha]) * contact_strains(geometry, prism.solution(alpha).reshape(-1, 6))
         stress = body_stress(tessellation, geometry.frame, traction)[:, 0, 0] * size[1] * size[2]
         x = tessellation.x

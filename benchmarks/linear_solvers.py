@@ -31,7 +31,7 @@ from fissura.equilibrium.direct import best_solver
 from fissura.equilibrium.team import Team
 from fissura.equilibrium.two_level import TwoLevel
 from fissura.material import material_from_case
-from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import discretize, nuclei_from_case
 from solver_figure import draw
 from solver_memory import TOLERANCE
@@ -102,10 +102,10 @@ def _system(name: str, seed: int, size: int) -> tuple[Case, System]:
     # At spacing l there are about 0.85 V / l^3 bodies, more near the surface than inside.
     spacing = (0.85 * float(np.prod(case.specimen.size)) / size) ** (1 / 3)
     case = changed(case, discretization={"l_f": spacing, "l_c": 4 * spacing})
-    box = specimen_from_case(case)
-    nuclei = nuclei_from_case(case, box)
-    tessellation = discretize(nuclei, box, np.zeros(len(nuclei)))
-    system = System(tessellation, material_from_case(case), law_from_case(case), conditions_from_case(case, box))
+    domain = domain_from_case(case)
+    nuclei = nuclei_from_case(case, domain)
+    tessellation = discretize(nuclei, domain, np.zeros(len(nuclei)))
+    system = System(tessellation, material_from_case(case), law_from_case(case), conditions_from_case(case, domain))
     say(f"{name}, seed {seed}: {len(tessellation)} bodies")
     return case, system
 

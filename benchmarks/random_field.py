@@ -216,11 +216,14 @@ def _picture(case: Any, result: Any) -> float:
 
     from fissura.material import field_from_case
     from fissura.results.field_picture import plot_field
+    from fissura.specimen import domain_from_case
 
     field = field_from_case(case)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "field.png"
-        return cpu_time(lambda: plot_field(field, case.field, case.specimen.size, result.last.tessellation, path), 2)[1]
+        return cpu_time(
+            lambda: plot_field(field, case.field, domain_from_case(case), result.last.tessellation, path), 2
+        )[1]
 
 
 def _markdown(rows: list[dict[str, Any]], runs: list[dict[str, Any]]) -> str:

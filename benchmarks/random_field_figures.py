@@ -17,6 +17,7 @@ from fissura.material.field import marginal_named
 from fissura.results.field_picture import draw_marginal, draw_slice, plot_field
 from fissura.results.pictures import BLUE, INK, ORANGE, tidy
 from fissura.simulation import Simulation
+from fissura.specimen import domain_from_case
 
 FOLDER = ROOT / "docs" / "images"
 #: Fields shown side by side, all with one seed: title and values.
@@ -38,7 +39,7 @@ def realisation(path: Path) -> None:
     assert simulation.field is not None
     assert case.field is not None
     name = "a realisation in examples/beam_d100.toml"
-    plot_field(simulation.field, case.field, case.specimen.size, simulation.tessellation, path, name)
+    plot_field(simulation.field, case.field, simulation.domain, simulation.tessellation, path, name)
 
 
 def models(path: Path) -> None:
@@ -49,7 +50,7 @@ def models(path: Path) -> None:
         case = changed(example("beam_d100", 1), field=Field.model_validate({"seed": 2, **values}))
         field = field_from_case(case)
         assert field is not None
-        draw_slice(axes, field, case.specimen.size, (0, 1), norm)
+        draw_slice(axes, field, domain_from_case(case), (0, 1), norm)
         axes.set_title(title, loc="left", fontsize=9, color=INK)
     figure.savefig(path, dpi=130)
 

@@ -1,6 +1,6 @@
 """Initial stiffness of the adaptive start against full resolution, with and without elastic calibration.
 
-Every coarse spacing has its own full-resolution run: the zone of mirrored nuclei beside the notch depends on it.
+Every coarse spacing has its own full-resolution run.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ from fissura.case import Case, case_from_dict
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System
 from fissura.material import material_from_case
-from fissura.specimen import Conditions, Functional, conditions_from_case, specimen_from_case
+from fissura.specimen import Conditions, Functional, conditions_from_case, domain_from_case
 from fissura.tessellation import discretize, nuclei_from_case
 
 FloatArray = NDArray[np.float64]
@@ -76,10 +76,12 @@ def _case(**tables: Any) -> Case:
 
 def _system(case: Case, conditions: Conditions | None = None) -> System:
     """Equations at full resolution; thin parts are not refused here."""
-    box = specimen_from_case(case)
-    nuclei = nuclei_from_case(case, box)
-    conditions = conditions_from_case(case, box) if conditions is None else conditions
-    return System(discretize(nuclei, box, np.zeros(len(nuclei))), material_from_case(case), CusatisCedolin, conditions)
+    domain = domain_from_case(case)
+    nuclei = nuclei_from_case(case, domain)
+    conditions = conditions_from_case(case, domain) if conditions is None else conditions
+    return System(
+        discretize(nuclei, domain, np.zeros(len(nuclei))), material_from_case(case), CusatisCedolin, conditions
+    )
 
 
 def _prisms(seed: int) -> list[dict[str, Any]]:
@@ -109,7 +111,7 @@ def _loaded(side: float, seed: int) -> Iterator[tuple[str, System]]:
         load={"face": "right", "direction": [1, 0, 0]},
         control={"type": "displacement", "target": 1e-4},
     )
-    given = conditions_from_case(case, specimen_from_case(case))
+    given = conditions_from_case(case, domain_from_case(case))
     arm = given.load.points - given.load.points.mean(axis=0)
     for way in WAYS:
         load = given.load

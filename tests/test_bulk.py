@@ -238,6 +238,7 @@ def test_study_on_the_command_line(tmp_path):
     assert "periodic cell" in result.output
     assert "60 GPa" in result.output
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        ".fissura",
         "elastic.csv",
         "elastic_alpha.png",
         "elastic_size.png",

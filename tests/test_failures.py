@@ -113,7 +113,7 @@ def test_an_interruption_is_no_failure(monkeypatch):
 
 
 #: Refined although nothing is near its strength.
-EAGER = {**REFINING, "adaptivity": {"r_f": 0.012, "gamma": 0.1, "coarsen": True}, "control": {"target": 4e-6}}
+EAGER = {**REFINING, "adaptivity": {"r_f": 0.012, "gamma": 0.15, "coarsen": True}, "control": {"target": 4e-6}}
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from fissura.check import report
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System
 from fissura.errors import InputError
-from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import tessellate
 
 #: A pulled cube twice as large as its bodies.
@@ -66,8 +66,8 @@ def test_everything_is_written_of_two_bodies(tmp_path):
 
 def test_equations_without_contacts_are_refused():
     case = cube(l_c=0.01)
-    box = specimen_from_case(case)
-    alone = tessellate(np.full((1, 3), 0.01), box, np.full(1, 0.02))
+    domain = domain_from_case(case)
+    alone = tessellate(np.full((1, 3), 0.01), np.zeros(1, int), domain.complex, domain.surfaces, np.full(1, 0.02))
     with pytest.raises(InputError, match="a single body is rigid") as caught:
-        System(alone, CONCRETE, CusatisCedolin, conditions_from_case(case, box))
+        System(alone, CONCRETE, CusatisCedolin, conditions_from_case(case, domain))
     assert caught.value.key == "discretization.l_f"

@@ -55,7 +55,7 @@ def test_adaptive_and_full_runs_see_the_same_field(criterion, r_f, apart):
         np.testing.assert_allclose(shot.contact_factor, full[0].field.strength(t.contacts.centroid), rtol=1e-12)
         np.testing.assert_allclose(shot.body_factor, full[0].field.strength(t.x), rtol=1e-12)
     common = keys[0].keys() & keys[1].keys()
-    assert len(common) > 300
+    assert len(common) > 250
     assert max(abs(keys[0][k] - keys[1][k]) for k in common) < 1e-6
     # And so they break alike, the better the more is fine around what breaks.
     loads = [
@@ -118,7 +118,8 @@ def test_files_of_a_run(tmp_path):
     assert summary["field"]["seed"] == 6
     assert 0.0 < summary["field"]["variance_error"] <= 0.01 < summary["field"]["variance_error_max"]
     shot = result.last
-    assert (bodies_grid(shot).cell_data["strength_factor"] == shot.body_factor).all()
+    bodies = bodies_grid(shot).cell_data
+    assert (bodies["strength_factor"] == shot.body_factor[bodies["body"]]).all()
     facets = shot.tessellation.contacts.polygons.facet
     assert (contacts_grid(shot).cell_data["strength_factor"] == shot.contact_factor[facets]).all()
     _, again = read_state(tmp_path / "state_last.npz")

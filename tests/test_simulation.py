@@ -18,7 +18,7 @@ from fissura.equilibrium import attach
 from fissura.equilibrium.assembly import add_spin
 from fissura.errors import InputError, RunStopped
 from fissura.simulation import Simulation
-from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.specimen import conditions_from_case, domain_from_case
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -64,7 +64,7 @@ def test_every_step_is_in_equilibrium(kind, full):
     """From the snapshots alone: tractions of contacts against the load, at bodies away from the supports."""
     simulation, steps = done(kind, full)
     case = simulation.case
-    conditions = conditions_from_case(case, specimen_from_case(case))
+    conditions = conditions_from_case(case, domain_from_case(case))
     peak = 0.0
     for step in steps:
         assert step.residual <= case.control.tolerance
@@ -87,8 +87,8 @@ def test_every_step_is_in_equilibrium(kind, full):
 def test_energy_balance(kind, full):
     """Work of the load, and what changes of the discretization put in, is stored or dissipated, at every step.
 
-    What is left is the residual of equilibrium. Refinements put in 0.1 to 0.2 % of the work with the default radius,
-    1.0 % with half of it.
+    What is left is the residual of equilibrium. Refinements put in 0 to 0.24 % of the work with the default radius, 0.2
+    to 4.1 % with a third of it (6 seeds each).
     """
     _, steps = done(kind, full)
     work = np.array([s.work for s in steps])
@@ -96,7 +96,7 @@ def test_energy_balance(kind, full):
     rest = work + exchanged - [s.stored + s.dissipated for s in steps]
     assert work[-1] > 0
     assert np.abs(rest).max() < 1e-4 * work.max()
-    assert np.abs(exchanged).max() < (0.02 if kind == "refining" else 0.01) * work.max()
+    assert np.abs(exchanged).max() < (0.05 if kind == "refining" else 0.01) * work.max()
     changed = np.array([s.refinements + s.coarsenings > 0 for s in steps])
     assert (exchanged[1:] == exchanged[:-1])[~changed[1:]].all()
     assert (np.diff([s.dissipated for s in steps]) > -1e-6 * work.max()).all()
@@ -210,10 +210,11 @@ def test_refinement_repeats_the_same_step():
 def test_refinement_adds_bodies_and_only_then():
     simulation, steps = done("refining", False)
     bodies = [simulation.bodies_start, *(s.bodies for s in steps)]
-    fine = [s.fine_bodies for s in steps]
-    for step, (before, after) in zip(steps, itertools.pairwise(bodies), strict=True):
-        assert (after > before) == (step.refinements > 0)
-    assert fine == sorted(fine)
+    fine = [int(Simulation(simulation.case).tessellation.fine.sum()), *(s.fine_bodies for s in steps)]
+    for step, of_fine, of_all in zip(steps, itertools.pairwise(fine), itertools.pairwise(bodies), strict=True):
+        assert (of_fine[1] > of_fine[0]) == (step.refinements > 0)
+        assert step.refinements > 0 or of_all[0] == of_all[1]
+    assert bodies == sorted(bodies)
     assert bodies[0] < bodies[-1] < simulation.bodies_full
 
 
@@ -367,7 +368,7 @@ def test_the_gauge_is_recorded_whatever_is_controlled():
 
 def test_a_gauge_that_is_only_recorded_must_be_on_the_specimen_too():
     gauge = {"gauge": {"b": {"face": "bottom", "at": 0.2}}}
-    with pytest.raises(InputError, match=r"gauge\.b\.at: 0\.2 m is off the face"):
+    with pytest.raises(InputError, match=r"gauge\.b\.at: 0\.2 m is off the surface 'bottom'"):
         Simulation(beam(**gauge, control={"type": "displacement"}))
 
 
@@ -512,10 +513,10 @@ def test_energy_takes_over_where_the_displacement_jumps_and_gives_back(kind, see
 
 
 def run_with(case, change, monkeypatch, *, full):
-    """Steps of a run whose nuclei are replaced by a function of those of the plain beam."""
-    plain = fissura.structure.nuclei_from_case(beam(), specimen_from_case(beam()))
+    """Steps of a run whose nuclei are a function of those of the plain beam, and of its own domain."""
+    plain = fissura.structure.nuclei_from_case(beam(), domain_from_case(beam()))
     with monkeypatch.context() as patch:
-        patch.setattr(fissura.structure, "nuclei_from_case", lambda case, box: change(plain))
+        patch.setattr(fissura.structure, "nuclei_from_case", lambda case, domain: change(plain, domain))
         simulation = Simulation(case, full=full)
     return simulation, list(simulation.steps())
 
@@ -532,17 +533,13 @@ def test_renumbering_bodies_changes_nothing(full, monkeypatch):
     count = Simulation(beam()).bodies_full
     order = np.random.default_rng(0).permutation(count)
 
-    def renumbered(nuclei):
+    def renumbered(nuclei, domain):
         assert len(nuclei) == count
-        place = np.argsort(order)
-        twin = nuclei.twin[order]
-        twin[twin >= 0] = place[twin[twin >= 0]]
-        return dataclasses.replace(
-            nuclei, x=nuclei.x[order], priority=nuclei.priority[order], twin=twin, widest=nuclei.widest[order]
-        )
+        x = nuclei.x[order]
+        return dataclasses.replace(nuclei, x=x, home=domain.cell_of(x), priority=nuclei.priority[order])
 
     case = beam(**STRICT)
-    a, steps = run_with(case, lambda n: n, monkeypatch, full=full)
+    a, steps = run_with(case, lambda n, domain: n, monkeypatch, full=full)
     b, others = run_with(case, renumbered, monkeypatch, full=full)
     assert b.initial_stiffness == pytest.approx(a.initial_stiffness, rel=1e-9)
     size = np.abs(curve(steps)).max(axis=0)
@@ -574,13 +571,13 @@ TURNED = {
 
 @pytest.mark.parametrize("full", [True, False])
 def test_turning_the_specimen_changes_nothing(full, monkeypatch):
-    a, steps = run_with(beam(**STRICT), lambda n: n, monkeypatch, full=full)
-    b, others = run_with(
-        beam(**TURNED),
-        lambda n: dataclasses.replace(n, x=np.ascontiguousarray(n.x[:, [2, 0, 1]])),
-        monkeypatch,
-        full=full,
-    )
+    a, steps = run_with(beam(**STRICT), lambda n, domain: n, monkeypatch, full=full)
+
+    def turned_too(nuclei, domain):
+        x = np.ascontiguousarray(nuclei.x[:, [2, 0, 1]])
+        return dataclasses.replace(nuclei, x=x, home=domain.cell_of(x), complex=domain.complex)
+
+    b, others = run_with(beam(**TURNED), turned_too, monkeypatch, full=full)
     assert b.initial_stiffness == pytest.approx(a.initial_stiffness, rel=1e-8)
     size = np.abs(curve(steps)).max(axis=0)
     np.testing.assert_allclose(curve(others)[:3, :4], curve(steps)[:3, :4], rtol=1e-8)
@@ -663,11 +660,11 @@ def test_errors_of_the_case_come_before_any_step(changes, key):
 @pytest.mark.parametrize("seed", range(10))
 def test_every_seed_runs_to_the_end(seed):
     """Seeds 7 and 9 once made Newton's method alternate between two states for ever."""
-    simulation = Simulation(beam(seed=seed, control={"target": 5e-5}))
+    simulation = Simulation(beam(seed=seed))
     steps = list(simulation.steps())
     assert steps[-1].gauge == simulation.case.control.target
-    assert 450 < max(s.load for s in steps) < 650
-    assert steps[-1].load < 0.9 * max(s.load for s in steps)
+    assert 500 < max(s.load for s in steps) < 1000
+    assert steps[-1].load < 0.7 * max(s.load for s in steps)
 
 
 @pytest.mark.slow

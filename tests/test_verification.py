@@ -10,11 +10,14 @@ from equilibrium.models import CONCRETE, affine, beam, beam_system, block, half_
 from fissura.contact import CusatisCedolin, body_stress, contact_strains, kinematics, nodal_forces
 from fissura.equilibrium import System, best_solver
 from fissura.equilibrium.assembly import assemble, pattern
-from fissura.specimen import Notch, conditions_from_case, specimen_from_case
+from fissura.specimen import conditions_from_case, domain_from_case
+from fissura.specimen.notches import Slot
 
 SIZE = (0.08, 0.05, 0.06)
-CUT = Notch(0, 1, 0, 0.04, 0.02, 0.02, 0.0, SIZE)
-SAW = Notch(0, 1, 0, 0.04, 0.02, 0.02, 0.004, SIZE)
+CUT, SAW = (
+    Slot(np.array([0.04, 0.0, 0.03]), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 0.02, width)
+    for width in (0.0, 0.004)
+)
 BALL = ((0.02, 0.03, 0.03), 0.018)
 STRUCTURES = {
     "fine": {},
@@ -139,10 +142,10 @@ def test_bar_of_alpha_one_is_exact_to_its_end():
         material={"alpha": 1.0},
         discretization={"l_f": 0.008, "l_c": 0.024},
     )
-    box = specimen_from_case(case)
-    tessellation = block(box.size, 0.008, 4)
+    domain = domain_from_case(case)
+    tessellation = block(domain.size, 0.008, 4)
     material = dataclasses.replace(CONCRETE, alpha=1.0)
-    system = System(tessellation, material, CusatisCedolin, conditions_from_case(case, box))
+    system = System(tessellation, material, CusatisCedolin, conditions_from_case(case, domain))
     solution = system.prepared.solve(system.virgin())
     stiffness = 1.0 / float(system.control @ solution)
     assert stiffness == pytest.approx(60e9 * 0.04**2 / 0.1, rel=0.05)

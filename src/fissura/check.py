@@ -41,7 +41,8 @@ class CheckReport:
         Limits [m] on the length of a fine contact: no snap-back in tension, none in shear, and shear less brittle
         than tension.
     longest_contact : float
-        Longest fine contact [m] there can be: that of the first discretization, or twice ``l_f``.
+        Longest fine contact [m] there can be: that of the first discretization, or twice ``l_f``, four times it beside
+        a notch.
     control : str
         Controlled quantity; where energy leads, the one that ends the run.
     target, max_step : float
@@ -170,9 +171,9 @@ def report(case: Case) -> CheckReport:
     contacts = simulation.tessellation.contacts
     lengths = contacts.length[contacts.fine]
     material, machine = material_from_case(case), physical_memory()
-    # Saturated: no point is farther than l_f from a nucleus, so no two neighbours are more than 2 l_f apart; beside
-    # a notch, where nuclei keep clear of its plane, 3 l_f.
-    bound = (3.0 if case.notch else 2.0) * case.discretization.l_f if case.discretization.nuclei is None else 0.0
+    # Saturated: no point is farther than l_f from a nucleus, so no two neighbours are more than 2 l_f apart. At a notch
+    # that nucleus may lie across it, and the nearest one on the point's own side as far again.
+    bound = (4.0 if case.notch else 2.0) * case.discretization.l_f if case.discretization.nuclei is None else 0.0
     longest = max(bound, float(lengths.max(initial=0.0)))
     memory_full = estimate_memory(simulation.bodies_full)
     warnings = list(simulation.notices)
@@ -249,7 +250,7 @@ def _largest_energy(case: Case) -> float:
     """Largest energy of a step [J] where the case lets dissipated energy lead, else 0."""
     if case.control.type != "dissipation":
         return 0.0
-    from fissura.specimen import specimen_from_case
+    from fissura.specimen import domain_from_case
 
-    section = specimen_from_case(case).smallest_section
+    section = domain_from_case(case).smallest_section
     return case.material.G_t * section * case.control.max_step / case.control.target

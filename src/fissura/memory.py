@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +9,8 @@ from pathlib import Path
 from fissura.case import Case
 from fissura.case.plausible import suspect
 from fissura.errors import InputError
+from fissura.specimen import domain_from_case
+from fissura.specimen.notches import SURFACE
 
 __all__ = [
     "estimate_bodies",
@@ -32,15 +33,19 @@ _SPARSEST = 0.349 / 0.734
 def estimate_bodies(case: Case) -> float:
     """Estimate how many bodies full resolution has.
 
-    Saturated nuclei in a box with free walls: ``0.734`` for every cube of side ``l_f``, with 0.3 of a layer
-    more at each wall.
+    Saturated nuclei in a specimen with free surfaces: ``0.734`` for every cube of side ``l_f``, with 0.3 of a layer
+    more on the surface; exact for a box, edges and corners included. Walls of notches have no such layer: nuclei keep
+    their distance across a notch, too.
 
     Returns
     -------
     float
         Number of bodies, not rounded; may be infinite for absurd sizes.
     """
-    return 0.734 * math.prod(size / case.discretization.l_f + 0.6 for size in case.specimen.size)
+    domain, l_f = domain_from_case(case), case.discretization.l_f
+    area = sum(part.area for part in domain.faces(*(name for name in domain.surfaces if name != SURFACE)))
+    layers = domain.volume / l_f**3 + 0.3 * area / l_f**2 + 0.36 * float(domain.size.sum()) / l_f + 0.216
+    return 0.734 * layers
 
 
 def estimate_memory(bodies: float) -> float:
@@ -93,7 +98,7 @@ def require_memory(case: Case, *, full: bool = False) -> None:
     bodies, machine, l_f = estimate_bodies(case), physical_memory(), case.discretization.l_f
     if case.discretization.nuclei is not None:
         bodies *= _SPARSEST
-    size = " x ".join(f"{length:g}" for length in case.specimen.size)
+    size = " x ".join(f"{length:g}" for length in domain_from_case(case).size)
     least = "at least" if case.discretization.nuclei is not None else "about"
     problem = f"{l_f:g} m in a specimen of {size} m means {least} {bodies:.2g} bodies"
     odd = suspect(case, "specimen")

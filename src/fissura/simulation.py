@@ -37,6 +37,7 @@ from fissura.structure import Structure
 if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.material.field import RandomField
+    from fissura.specimen import Domain
     from fissura.tessellation import Tessellation
 
 __all__ = ["Simulation"]
@@ -137,6 +138,11 @@ class Simulation:
         return self._structure.system.tessellation
 
     @property
+    def domain(self) -> Domain:
+        """The specimen."""
+        return self._structure.domain
+
+    @property
     def field(self) -> RandomField | None:
         """Relative strength as a function of position; None where it is the same everywhere."""
         return self._structure.field
@@ -203,7 +209,7 @@ class Simulation:
         solver = StepSolver(control.tolerance, control.max_iterations)
         with stopping(lambda: (1, 0.0), refusing=True):
             path = self._start()
-        energy = self.case.material.G_t * self._structure.box.smallest_section
+        energy = self.case.material.G_t * self.domain.smallest_section
         follower = PathFollower(control, energy, self.case.quantity, path.limit)
         while not follower.ended(path.now.value, path.load, path.peak):
             goal = follower.goal(path.now.value)

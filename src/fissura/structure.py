@@ -31,9 +31,9 @@ from fissura.material import (
 )
 from fissura.specimen import (
     conditions_from_case,
+    domain_from_case,
     edge_notices,
     gauge_notices,
-    specimen_from_case,
     thin_notices,
     thin_parts,
 )
@@ -72,7 +72,7 @@ class Structure:
     ----------
     notices : tuple of Notice
         What looks wrong in the case, although it can be built.
-    box, nuclei : Box, Nuclei
+    domain, nuclei : Domain, Nuclei
         The specimen, and all its fine nuclei.
     field : RandomField or None
         Relative strength as a function of position; None where it is the same everywhere.
@@ -88,21 +88,22 @@ class Structure:
         self._criterion = criterion_named(case.adaptivity.criterion)
         self._law = law_from_case(case)
         self._material = material_from_case(case)
-        self.box = specimen_from_case(case)
-        thin = thin_notices(thin_parts(self.box), case.discretization.l_f)
+        self.domain = domain_from_case(case)
+        thin = thin_notices(thin_parts(case, self.domain), case.discretization.l_f)
         check_ductile(case)
-        self._conditions = conditions_from_case(case, self.box)
+        self._conditions = conditions_from_case(case, self.domain)
         self.notices = (
             *case_notices(case),
             *thin,
-            *edge_notices(case, self.box),
-            *gauge_notices(case, self._conditions),
+            *edge_notices(case, self.domain),
+            *self.domain.notices,
+            *gauge_notices(self.domain, self._conditions),
         )
         self._elastic = elastic_from_case(case)
         self.field = field_from_case(case)
         self._team = Team(case.solver.threads)
-        self.nuclei = nuclei_from_case(case, self.box)
-        self._region = region_from_case(case, self.box, full=full)
+        self.nuclei = nuclei_from_case(case, self.domain)
+        self._region = region_from_case(case, self.domain, full=full)
         self._coarsening, self._stays_fine = Coarsening(self.nuclei.x), False
         if self._elastic.contains(self.nuclei.x).all():  # facets between nuclei may lie outside all the same
             check_not_everywhere(self._elastic, self._whole().contacts.centroid)
@@ -120,7 +121,7 @@ class Structure:
         self.system = self._equations(start)
 
     def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
-        found = discretize(self.nuclei, self.box, region.spacing(self.nuclei.x), previous)
+        found = discretize(self.nuclei, self.domain, region.spacing(self.nuclei.x), previous)
         return replace(found, cells=None) if self._full else found  # nothing will change there
 
     def _whole(self) -> Tessellation:

@@ -10,7 +10,7 @@ from fissura.adaptivity import calibrated, gauge_compliance, region_from_case
 from fissura.contact import law_from_case
 from fissura.equilibrium import System
 from fissura.material import material_from_case
-from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import discretize, nuclei_from_case
 
 
@@ -18,15 +18,15 @@ from fissura.tessellation import discretize, nuclei_from_case
 def systems(small_case):
     """The beam fine at the tip, and fine everywhere."""
     case = small_case()
-    box = specimen_from_case(case)
-    nuclei = nuclei_from_case(case, box)
-    region = region_from_case(case, box, full=False)
+    domain = domain_from_case(case)
+    nuclei = nuclei_from_case(case, domain)
+    region = region_from_case(case, domain, full=False)
     return [
         System(
-            discretize(nuclei, box, where.spacing(nuclei.x)),
+            discretize(nuclei, domain, where.spacing(nuclei.x)),
             material_from_case(case),
             law_from_case(case),
-            conditions_from_case(case, box),
+            conditions_from_case(case, domain),
         )
         for where in (region, replace(region, everywhere=True))
     ]

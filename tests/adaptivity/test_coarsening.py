@@ -12,7 +12,7 @@ from equilibrium.models import CONCRETE
 from fissura.adaptivity import Coarsening, RefinedRegion, needed_bodies
 from fissura.contact import CusatisCedolin
 from fissura.simulation import Simulation
-from fissura.specimen import specimen_from_case
+from fissura.specimen import domain_from_case
 from fissura.tessellation import discretize, nuclei_from_case
 
 
@@ -20,11 +20,11 @@ from fissura.tessellation import discretize, nuclei_from_case
 def fine(small_case):
     """An unnotched beam that is fine all over, its region, and all its nuclei."""
     case = small_case(notch=None)
-    box = specimen_from_case(case)
-    nuclei = nuclei_from_case(case, box)
+    domain = domain_from_case(case)
+    nuclei = nuclei_from_case(case, domain)
     l_f = nuclei.spacing
     region = RefinedRegion(l_f, 4 * l_f, 2 * l_f, 8 * l_f, centers=nuclei.x, r_w=0.01)
-    return discretize(nuclei, box, region.spacing(nuclei.x)), region, nuclei
+    return discretize(nuclei, domain, region.spacing(nuclei.x)), region, nuclei
 
 
 @pytest.mark.parametrize(

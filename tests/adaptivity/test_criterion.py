@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from equilibrium.models import box_domain
 from fissura.adaptivity import CRITERIA, ElasticState, criterion_named
 from fissura.errors import InputError
-from fissura.specimen import Box
 from fissura.tessellation import tessellate
 
 X = np.array([[0.01, 0.02, 0.02], [0.05, 0.02, 0.02], [0.09, 0.02, 0.02]])
@@ -16,7 +16,8 @@ X = np.array([[0.01, 0.02, 0.02], [0.05, 0.02, 0.02], [0.09, 0.02, 0.02]])
 
 def state(stress=None, strength=2.0, utilisation=(0.0, 0.0), elastic=(False, False, False)):
     """Three bodies in a row, two contacts."""
-    t = tessellate(X, Box((0.12, 0.04, 0.04)), np.full(3, 0.1))
+    domain = box_domain((0.12, 0.04, 0.04))
+    t = tessellate(X, domain.cell_of(X), domain.complex, domain.surfaces, np.full(3, 0.1))
     assert_array_equal(t.contacts.bodies, [[0, 1], [1, 2]])
     stress = np.zeros((3, 3, 3)) if stress is None else stress
     return ElasticState(t, stress, np.broadcast_to(strength, 3), np.asarray(utilisation), np.asarray(elastic))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fissura.adaptivity import RefinedRegion, region_from_case
-from fissura.specimen import specimen_from_case
+from fissura.specimen import domain_from_case
 
 BASE = RefinedRegion(l_f=1.0, l_c=4.0, r_f=2.0, ramp=6.0)
 coordinates = st.floats(-10.0, 10.0)
@@ -109,7 +109,7 @@ def test_region_of_a_case(small_case):
         {"type": "box", "lower": [0.1, 0.0, 0.0], "upper": [0.12, 0.06, 0.04]},
     ]
     case = small_case(adaptivity__regions=regions, adaptivity__r_c=0.05, notch__width=0.004)
-    region = region_from_case(case, specimen_from_case(case), full=False)
+    region = region_from_case(case, domain_from_case(case), full=False)
     assert (region.l_f, region.l_c, region.r_f) == (0.008, 0.032, 0.016)
     assert region.ramp == pytest.approx(0.034)
     assert_allclose(region.lines[:, :, 0], [[0.058, 0.058], [0.062, 0.062]])
@@ -120,7 +120,7 @@ def test_region_of_a_case(small_case):
 
 def test_region_of_a_full_run(small_case):
     case = small_case(adaptivity__notch_tips=False)
-    box = specimen_from_case(case)
-    x = np.random.default_rng(0).uniform(0.0, 1.0, (20, 3)) * box.size
-    assert_array_equal(region_from_case(case, box, full=True).spacing(x), 0.0)
-    assert_array_equal(region_from_case(case, box, full=False).spacing(x), 0.032)
+    domain = domain_from_case(case)
+    x = np.random.default_rng(0).uniform(0.0, 1.0, (20, 3)) * domain.size
+    assert_array_equal(region_from_case(case, domain, full=True).spacing(x), 0.0)
+    assert_array_equal(region_from_case(case, domain, full=False).spacing(x), 0.032)

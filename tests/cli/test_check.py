@@ -124,7 +124,7 @@ def test_check_report(fake: type[FakeSimulation]) -> None:
     )
     assert report.tension_limit == pytest.approx(2 * 60e9 * 35 / 2.2e6**2)
     assert report.shear_limit == pytest.approx(report.tension_limit * 16 * 0.29 / 9)
-    assert report.longest_contact == pytest.approx(0.03)
+    assert report.longest_contact == pytest.approx(0.04)
     assert report.fewest_steps == 50
     assert report.warnings == ()
     assert replace(report, max_step=report.target / 60.5).fewest_steps == 61

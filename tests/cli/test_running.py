@@ -29,14 +29,20 @@ def test_new_prints_a_valid_case(tmp_path: Path, name: str) -> None:
     assert done.stdout.isascii()
 
 
+KINDS = [
+    *("anchor", "beam", "brazilian", "disc-with-hole", "dog-bone", "double-edge-notched", "l-panel", "mesh"),
+    *("tension", "torsion", "wedge-splitting"),
+]
+
+
 def test_new_lists_templates_and_refuses_others() -> None:
     done = call("new", "--list")
     assert done.exit_code == 0
-    assert [line.split()[0] for line in done.stdout.splitlines()] == ["beam", "tension"]
+    assert [line.split()[0] for line in done.stdout.splitlines()] == KINDS
     for arguments, problem in ((["new", "boat"], "'boat' is not known"), (["new"], "missing")):
         done = call(*arguments)
         assert done.exit_code == 2
-        assert done.stderr == f"error: template: {problem} (allowed: beam, tension)\n"
+        assert done.stderr == f"error: template: {problem} (allowed: {', '.join(KINDS)})\n"
 
 
 @pytest.mark.parametrize("arguments", [["run"], ["walk"], ["run", "x", "--seed", "-1"], ["run", "x", "--seed", "a"]])

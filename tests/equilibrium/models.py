@@ -9,8 +9,10 @@ from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System
 from fissura.material import Material
-from fissura.specimen import Box, conditions_from_case, specimen_from_case
-from fissura.tessellation import Nuclei, discretize, mirror, nuclei_from_case
+from fissura.specimen import Domain, conditions_from_case, domain_from_case
+from fissura.specimen.cutting import cut_notches
+from fissura.specimen.shapes.box import box
+from fissura.tessellation import Nuclei, discretize, nuclei_from_case
 
 CONCRETE = Material.standard(60e9, 0.29, 2.2e6, 35.0)
 
@@ -48,28 +50,50 @@ def beam(**changes):
     return case_from_dict(changed(BEAM, changes), Path())
 
 
+def box_domain(size, *slots):
+    """A box with notches."""
+    solid = box(size)
+    notches = cut_notches(solid, slots)
+    return Domain(*solid.build(), notches=notches)
+
+
 def block(size, l_f, seed, *, fine_ball=None, l_c=None, notches=()):
     """Tessellation of a box; with a fine ball (center, radius) it is coarse elsewhere."""
-    box = Box(size, notches)
+    domain = box_domain(size, *notches)
     l_c = 3.0 * l_f if l_c is None else l_c
-    zones = mirror.mirror_zones(box, l_f)
-    nuclei = Nuclei.placed(box, l_f, zones, np.random.default_rng(seed))
+    nuclei = Nuclei.placed(domain.complex, l_f, np.random.default_rng(seed))
     region = RefinedRegion(l_f, l_c, l_f, l_c, everywhere=fine_ball is None)
     if fine_ball is not None:
         center, radius = fine_ball
         region = RefinedRegion(l_f, l_c, l_f, l_c, balls=np.array([center]), radii=np.array([radius]))
-    return discretize(nuclei, box, region.spacing(nuclei.x))
+    return discretize(nuclei, domain, region.spacing(nuclei.x))
 
 
 def beam_system(case=None, *, region=None, linear="auto"):
     """Equations of a case at full resolution, or with another region."""
     case = beam() if case is None else case
-    box = specimen_from_case(case)
-    nuclei = nuclei_from_case(case, box)
+    domain = domain_from_case(case)
+    nuclei = nuclei_from_case(case, domain)
     spacing = np.zeros(len(nuclei)) if region is None else region.spacing(nuclei.x)
     m = case.material
     material = Material(m.E, m.alpha, m.f_t, m.G_t, m.f_s, m.f_c, m.G_s, m.K_c, m.mu, m.beta, m.n_c)
-    return System(discretize(nuclei, box, spacing), material, CusatisCedolin, conditions_from_case(case, box), linear)
+    conditions = conditions_from_case(case, domain)
+    return System(discretize(nuclei, domain, spacing), material, CusatisCedolin, conditions, linear)
+
+
+def admitted(domain, cell, x):
+    """Whether nuclei obey the rules of sides of a convex cell."""
+    c = domain.complex
+    rules = slice(c.rule_start[cell], c.rule_start[cell + 1])
+    return (x @ c.rule_normal[rules].T > c.rule_offset[rules]).all(axis=1)
+
+
+def nearest_admitted(domain, x, points, cells):
+    """Nucleus nearest to each point, of those that may own material in the point's convex cell."""
+    distance = np.linalg.norm(points[:, None] - x[None], axis=2)
+    for k in np.unique(cells):
+        distance[np.ix_(cells == k, ~admitted(domain, k, x))] = np.inf
+    return distance.argmin(axis=1)
 
 
 def half_fine(l_f=0.01, l_c=0.02):

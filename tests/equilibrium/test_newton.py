@@ -11,7 +11,7 @@ from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import SingularMatrixError, StepSolver, System, prescribed, settle
 from fissura.equilibrium.constraint import Constraint
-from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import tessellate
 
 YIELD = CONCRETE.f_t / CONCRETE.E
@@ -35,11 +35,11 @@ def bar(tmp_path_factory):
         tmp_path_factory.mktemp("bar"),
     )
     case = case.model_copy(update={"load": case.load.model_copy(update={"at": None})})
-    box = specimen_from_case(case)
+    domain = domain_from_case(case)
     x = np.array([[0.5 * LENGTH, 0.5 * SIDE, 0.5 * SIDE], [1.5 * LENGTH, 0.5 * SIDE, 0.5 * SIDE]])
-    tessellation = tessellate(x, box, np.full(2, LENGTH))
+    tessellation = tessellate(x, domain.cell_of(x), domain.complex, domain.surfaces, np.full(2, LENGTH))
     assert len(tessellation.contacts) == 1
-    return System(tessellation, CONCRETE, CusatisCedolin, conditions_from_case(case, box))
+    return System(tessellation, CONCRETE, CusatisCedolin, conditions_from_case(case, domain))
 
 
 def test_bar_follows_the_contact_law_into_softening_and_back(bar):

@@ -13,7 +13,7 @@ from fissura.equilibrium import PathFollower, System
 from fissura.errors import RunStopped
 from fissura.material import Material
 from fissura.simulation import Simulation
-from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import tessellate
 
 # --- choosing ------------------------------------------------------------------------------------------------------
@@ -172,11 +172,14 @@ def started(**control):
     )
     data["load"] = {"face": "right", "direction": [1, 0, 0]}
     case = case_from_dict(data, Path())
-    box = specimen_from_case(case)
+    domain = domain_from_case(case)
     x = np.full((COUNT, 3), 0.5 * SIDE)
     x[:, 0] = (np.arange(COUNT) + 0.5) * LENGTH
     system = System(
-        tessellate(x, box, np.full(COUNT, LENGTH)), BRITTLE, CusatisCedolin, conditions_from_case(case, box)
+        tessellate(x, domain.cell_of(x), domain.complex, domain.surfaces, np.full(COUNT, LENGTH)),
+        BRITTLE,
+        CusatisCedolin,
+        conditions_from_case(case, domain),
     )
     scale = np.ones(CONTACTS)
     scale[WEAK] = SHARE

@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fissura.case import case_from_dict
-from fissura.equilibrium.attach import owners
+from fissura.equilibrium.attach import owners_of
 from fissura.simulation import Simulation
-from fissura.specimen import conditions_from_case, specimen_from_case
+from fissura.specimen import conditions_from_case, domain_from_case
 
 from .models import BEAM, beam, beam_system, changed
 
@@ -81,13 +81,13 @@ def test_a_cracked_beam_is_in_balance(broken):
 def test_energy_at_places_adds_up_over_refinements(broken):
     """Anew from the owners of the points, step by step."""
     simulation, steps = broken
-    conditions = conditions_from_case(simulation.case, specimen_from_case(simulation.case))
+    conditions = conditions_from_case(simulation.case, domain_from_case(simulation.case))
     ends = np.cumsum([0, *(held.functionals for held in conditions.held)])
     places = [[conditions.load], *(conditions.supports[a:b] for a, b in pairwise(ends))]
     total = np.zeros(4)
     for s in steps:
         t = s.snapshot.tessellation
-        bodies = [owners(t, np.concatenate([f.points for f in place])) for place in places]
+        bodies = [owners_of(place, t) for place in places]
         touched = [np.isin(t.contacts.bodies, some).any(axis=1) for some in bodies]
         total += [s.spent[of].sum() for of in (*touched, np.any(touched, axis=0))]
         assert_allclose(s.dissipated_at, total, rtol=1e-9, atol=1e-15)

@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
 
-from equilibrium.models import CONCRETE, beam, beam_system, half_fine
+from equilibrium.models import CONCRETE, beam, beam_system, half_fine, nearest_admitted
 from fissura.adaptivity import gauge_compliance
 from fissura.contact import contact_strains
-from fissura.equilibrium import attach, owners, settle
-from fissura.specimen import Functional
+from fissura.equilibrium import attach, settle
+from fissura.specimen import Functional, domain_from_case
+from fissura.tessellation import owners
 
 YIELD = CONCRETE.f_t / CONCRETE.E
 
@@ -15,15 +16,31 @@ def mixed():
     return beam_system(region=half_fine())
 
 
-def test_points_belong_to_the_nearest_nucleus(mixed):
-    points = np.random.default_rng(0).uniform(0, 1, (200, 3)) * [0.1, 0.04, 0.02]
-    distance = np.linalg.norm(points[:, None] - mixed.tessellation.x[None], axis=2)
-    np.testing.assert_array_equal(owners(mixed.tessellation, points), distance.argmin(axis=1))
+DOMAIN = domain_from_case(beam())
+
+
+def random_points(rng, count):
+    """Points of the beam, and the convex cells that hold them."""
+    points = rng.uniform(0, 1, (count, 3)) * [0.1, 0.04, 0.02]
+    return points, DOMAIN.cell_of(points)
+
+
+def test_points_belong_to_the_nearest_nucleus_on_their_side_of_the_notch(mixed):
+    points, cells = random_points(np.random.default_rng(0), 2000)
+    x = mixed.tessellation.x
+    body = owners(mixed.tessellation, points, cells)
+    np.testing.assert_array_equal(body, nearest_admitted(DOMAIN, x, points, cells))
+    below = points[:, 1] < 0.012
+    assert ((points[:, 0] < 0.05) == (x[body, 0] < 0.05))[below].all()
+    distance = np.linalg.norm(points[:, None] - x[None], axis=2)
+    np.testing.assert_array_equal(body[~below], distance[~below].argmin(axis=1))
+    assert 0 < (body != distance.argmin(axis=1)).sum() < 0.2 * below.sum()
 
 
 def test_attached_forces_keep_resultant_and_moment(mixed):
     rng = np.random.default_rng(1)
-    functional = Functional(rng.uniform(0, 1, (30, 3)) * [0.1, 0.04, 0.02], rng.normal(size=(30, 3)))
+    points, cells = random_points(rng, 30)
+    functional = Functional(points, rng.normal(size=(30, 3)), cells)
     nodal = attach(functional, mixed.tessellation)
     np.testing.assert_allclose(nodal[:, :3].sum(axis=0), functional.coefficients.sum(axis=0), atol=1e-13)
     np.testing.assert_allclose(
@@ -35,9 +52,10 @@ def test_attached_forces_keep_resultant_and_moment(mixed):
 
 def test_attached_functional_measures_points_of_bodies(mixed):
     rng = np.random.default_rng(2)
-    functional = Functional(rng.uniform(0, 1, (30, 3)) * [0.1, 0.04, 0.02], rng.normal(size=(30, 3)))
+    points, cells = random_points(rng, 30)
+    functional = Functional(points, rng.normal(size=(30, 3)), cells)
     u = rng.normal(size=(len(mixed.tessellation), 6))
-    body = owners(mixed.tessellation, functional.points)
+    body = owners(mixed.tessellation, points, cells)
     moved = u[body, :3] + np.cross(u[body, 3:], functional.points - mixed.tessellation.x[body])
     assert np.sum(attach(functional, mixed.tessellation) * u) == pytest.approx(np.sum(functional.coefficients * moved))
 

@@ -16,6 +16,10 @@ BALL = BallRegion(type="ball", center=(0.0, 0.0, 0.0), radius=1.0)
 BOX = BoxRegion(type="box", lower=(2.0, 0.0, 0.0), upper=(3.0, 4.0, 5.0))
 
 
+#: Corners of a cube.
+UNIT = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
+
+
 def test_distance_from_a_ball_and_a_box():
     x = np.array([[0.0, 0.0, 0.5], [0.0, 0.0, 2.0], [2.5, 1.0, 1.0], [3.0, 4.0, 5.0], [6.0, 8.0, 5.0]])
     assert_allclose(Regions.from_parts([BALL, BOX]).distance(x), [-0.5, 1.0, 0.0, 0.0, 5.0])
@@ -27,7 +31,7 @@ def test_no_region_contains_nothing():
     assert len(Regions()) == 0
     assert not Regions().contains(np.zeros((4, 3))).any()
     assert (Regions().distance(np.zeros((2, 3))) == np.inf).all()
-    assert not Regions().overlaps((1.0, 1.0, 1.0))
+    assert not Regions().overlaps(UNIT)
 
 
 coordinate = st.floats(-2.0, 3.0)
@@ -42,10 +46,10 @@ def test_overlap_as_seen_by_a_grid_of_points(corner, size):
     ball = Regions(balls=low[None], radii=np.array([size]))
     for region in (box, ball):
         if region.contains(grid).any():
-            assert region.overlaps((1.0, 1.0, 1.0))
+            assert region.overlaps(UNIT)
     nearest = np.clip(low, 0.0, 1.0)
-    assert ball.overlaps((1.0, 1.0, 1.0)) == bool(np.linalg.norm(low - nearest) < size)
-    assert box.overlaps((1.0, 1.0, 1.0)) == bool(((low < 1.0) & (low + size > 0.0)).all())
+    assert ball.overlaps(UNIT) == bool(np.linalg.norm(low - nearest) < size)
+    assert box.overlaps(UNIT) == bool(((low < 1.0) & (low + size > 0.0)).all())
 
 
 INSIDE = {"type": "box", "lower": [0, 0, 0], "upper": [0.02, 0.06, 0.04]}

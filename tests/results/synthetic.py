@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import Voronoi
 
 from fissura.case import case_from_dict
+from fissura.specimen import domain_from_case
 from fissura.step import Snapshot, Step
 from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
 
@@ -168,8 +169,10 @@ def case(control=None, **output):
 
 def simulation(control=None, **output):
     """Stand-in for a simulation: what a recorder asks of it."""
+    its_case = case(control, **output)
     return SimpleNamespace(
-        case=case(control, **output),
+        case=its_case,
+        domain=domain_from_case(its_case),
         full=False,
         notices=(),
         bodies_start=2,

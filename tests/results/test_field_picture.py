@@ -23,7 +23,9 @@ def test_any_shape_fits(size, tmp_path):
         field={"length": "20 mm", "marginal": "weibull"},
     )
     simulation = Simulation(case, full=True)
-    plot_field(simulation.field, case.field, size, simulation.tessellation, tmp_path / "field.png", "a name")
+    plot_field(
+        simulation.field, case.field, simulation.domain, simulation.tessellation, tmp_path / "field.png", "a name"
+    )
     pixels = imread(tmp_path / "field.png")[:, :, :3]
     assert (pixels[:, :, 0] > pixels[:, :, 2] + 0.15).mean() > 0.02
     assert (pixels[:, :, 2] > pixels[:, :, 0] + 0.15).mean() > 0.02

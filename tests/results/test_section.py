@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fissura.results.section import cut, outlines
+from fissura.results.section import ON_LEDGE, cut, outlines
 from fissura.simulation import Simulation
 
 from .synthetic import random_points, stack, voronoi_structure
@@ -64,6 +64,10 @@ def test_notches_are_left_out(small_case, width):
     tessellation = Simulation(small_case(notch=notch)).tessellation
     section, _ = cut(tessellation, 0.02)
     assert areas(section).sum() == pytest.approx(0.12 * 0.06 - 0.03 * width, rel=1e-5)
+    skin = section.lines[section.skin]
+    outline = 2 * (0.12 + 0.06 + 0.03)  # ledges at the tip are no part of it
+    assert np.linalg.norm(skin[:, 1] - skin[:, 0], axis=1).sum() == pytest.approx(outline, rel=1e-5)
+    assert width or (section.sides[:, 1] == ON_LEDGE).any()
     walls = section.lines[section.contacts :]
     inside = np.abs(walls[:, :, 0] - 0.06).max(axis=1) < 0.5 * width + 1e-6
     low = walls[inside][:, :, 1].max(axis=1) < 0.03 + 1e-6

@@ -7,7 +7,7 @@ import pytest
 from fissura.case import case_from_dict
 from fissura.errors import InputError
 from fissura.simulation import Simulation
-from fissura.specimen import conditions_from_case, gauge_notices, specimen_from_case
+from fissura.specimen import conditions_from_case, domain_from_case, gauge_notices
 
 UP, DOWN = [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]
 
@@ -71,7 +71,8 @@ def test_dissipation_starts_with_the_gauge_and_is_refused_too():
 
 
 def notices(case):
-    return gauge_notices(case, conditions_from_case(case, specimen_from_case(case)))
+    domain = domain_from_case(case)
+    return gauge_notices(domain, conditions_from_case(case, domain))
 
 
 @pytest.mark.parametrize(

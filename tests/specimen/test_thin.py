@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from fissura.check import report
 from fissura.errors import InputError
+from fissura.specimen import domain_from_case, edge_notices, thin_notices, thin_parts
 
 #: Of the small beam, 120 x 60 x 40 mm with a notch of 30 mm.
 L_F = 0.008
+
+
+def warnings(case):
+    domain = domain_from_case(case)
+    found = thin_notices(thin_parts(case, domain), case.discretization.l_f)
+    return [*found, *edge_notices(case, domain)]
+
 
 TOP = {"face": "top", "position": 0.06}
 
@@ -57,22 +64,22 @@ WARNED = {
 @pytest.mark.parametrize(("changes", "key"), REFUSED.values(), ids=REFUSED)
 def test_thinner_than_a_body_is_refused(small_case, changes, key):
     with pytest.raises(InputError, match=r"less than one body|larger than the specimen") as caught:
-        report(small_case(**changes))
+        warnings(small_case(**changes))
     assert caught.value.key == key
 
 
 @pytest.mark.parametrize(("changes", "keys"), WARNED.values(), ids=WARNED)
 def test_thinner_than_three_bodies_is_warned_of(small_case, changes, keys):
-    assert [notice.key for notice in report(small_case(**changes)).warnings] == keys
+    assert [notice.key for notice in warnings(small_case(**changes))] == keys
 
 
 def test_what_is_said(small_case):
-    (notice,) = report(small_case(notch__depth=0.045)).warnings
+    (notice,) = warnings(small_case(notch__depth=0.045))
     assert str(notice) == (
         "notch.depth: the ligament is 15 mm thick, 1.9 l_f: so few bodies across it leave it too soft, by up to a half"
         " in twist and at notches (what to do: discretization.l_f of at most 5 mm)"
     )
-    (notice,) = report(small_case(notch__depth=0.05)).warnings
+    (notice,) = warnings(small_case(notch__depth=0.05))
     assert "single facets may span it, which are hinges" in notice.problem
 
 
@@ -99,4 +106,71 @@ EDGES = {
 
 @pytest.mark.parametrize(("changes", "keys"), EDGES.values(), ids=EDGES)
 def test_forces_at_edges_are_warned_of(small_case, changes, keys):
-    assert [notice.key for notice in report(small_case(**changes)).warnings] == keys
+    assert [notice.key for notice in warnings(small_case(**changes))] == keys
+
+
+# --- other shapes ----------------------------------------------------------------------------------------------------
+
+DISC = {"cylinder": {"diameter": 0.1, "length": 0.05}}
+FIN = [[0, 0], [100, 0], [100, 50], [53, 50], [53, 100], [50, 100], [50, 50], [0, 50]]
+
+
+def bore(x, diameter=0.02):
+    return {"minus": {"cylinder": {"diameter": diameter, "through": [x, 0.0, 0.0]}, "name": "hole"}}
+
+
+SHAPES = {
+    "fin": ({"specimen": {"outline": FIN, "thickness": 50, "unit": "mm"}}, "specimen.outline", 0.003),
+    "thin disc": ({"specimen": {"cylinder": {"diameter": 0.1, "length": 0.004}}}, "specimen.cylinder", 0.004),
+    "thin bar": ({"specimen": {"cylinder": {"diameter": 0.006, "length": 0.1}}}, "specimen.cylinder", 0.006),
+    "wall beside a hole": ({"specimen": DISC, **bore(0.036)}, "minus", 0.004),
+    "tube": ({"specimen": DISC, **bore(0.0, 0.092)}, "minus", 0.004),
+    "above a blind hole": (
+        {"minus": {"cylinder": {"diameter": 0.03, "start": [0.06, -0.1, 0.02], "end": [0.06, 0.055, 0.02]}}},
+        "minus",
+        0.005,
+    ),
+}
+
+
+@pytest.mark.parametrize(("changes", "key", "thickness"), SHAPES.values(), ids=SHAPES)
+def test_thin_parts_of_any_shape(small_case, changes, key, thickness):
+    case = small_case(**changes, notch=[])
+    found = thin_parts(case, domain_from_case(case))
+    thinnest = min(found, key=lambda part: part.value)
+    assert thinnest.key == key
+    assert thinnest.value == pytest.approx(thickness, abs=2 * 0.075 * L_F)  # round surfaces are polygons
+    with pytest.raises(InputError, match="less than one body") as caught:
+        thin_notices(found, L_F)
+    assert caught.value.key == key
+
+
+def test_corners_of_wedges_are_no_thin_parts(small_case):
+    """Beside an inclined notch the material runs out to an edge; so do corners of a triangle."""
+    inclined = {"on": "bottom", "at": [0.05, 0.0, 0.0], "direction": [1.0, 1.2, 0.0], "depth": 0.03}
+    case = small_case(notch=inclined)
+    assert all(part.value > 0.02 for part in thin_parts(case, domain_from_case(case)))
+    case = small_case(specimen={"outline": [[0, 0], [0.1, 0], [0.05, 0.08]], "thickness": 0.05}, notch=[])
+    assert {part.value for part in thin_parts(case, domain_from_case(case))} == {0.05}
+
+
+def test_ligament_of_an_inclined_notch(small_case):
+    inclined = {"on": "bottom", "at": [0.05, 0.0, 0.0], "direction": [0.6, 0.8, 0.0], "depth": 0.05}
+    case = small_case(notch=inclined)
+    (ligament,) = [part for part in thin_parts(case, domain_from_case(case)) if part.name == "the ligament"]
+    assert ligament.key == "notch.depth"
+    assert ligament.value == pytest.approx(0.06 / 0.8 - 0.05, rel=1e-9)
+
+
+def test_notches_that_cross_leave_nothing_between_them(small_case):
+    notches = [{"position": 0.06, "depth": 0.02}, {"normal": "z", "position": 0.02, "depth": 0.02}]
+    for width in (0.0, 0.002):
+        case = small_case(notch=[part | {"width": width} for part in notches])
+        assert not any("between it and" in part.name for part in thin_parts(case, domain_from_case(case)))
+
+
+def test_notch_beside_a_hole(small_case):
+    hole = {"cylinder": {"diameter": 0.01, "through": [0.06, 0.04, 0.02]}, "name": "hole"}
+    case = small_case(minus=hole, notch={"position": 0.06, "depth": 0.03})
+    (ligament,) = [part for part in thin_parts(case, domain_from_case(case)) if part.name == "the ligament"]
+    assert ligament.value == pytest.approx(0.005, abs=5e-4)

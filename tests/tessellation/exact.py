@@ -4,37 +4,53 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.testing import assert_allclose
-from scipy.spatial import cKDTree
 
-from fissura.specimen import Box
-from fissura.specimen.notch import FACES
-from fissura.tessellation import Polygons, Tessellation
+from fissura.specimen import Domain
+from fissura.specimen.shapes.prism import FACES
+from fissura.tessellation import Tessellation, owners
 from fissura.tessellation.polygon import areas_and_centroids
+from fissura.tessellation.structure import LEDGE
 
 
-def _owners(polygons: Polygons, body):
-    """Body of every corner."""
-    return np.repeat(body[polygons.facet], np.diff(polygons.offsets))
-
-
-def check_volumes(t: Tessellation, box: Box) -> None:
-    assert (t.volume > 0.0).all()
-    assert_allclose(t.volume.sum(), box.volume, rtol=1e-9)
-
-
-def check_closed(t: Tessellation) -> None:
-    """Every body is closed, and its facets enclose its volume: sum A n = 0, sum A n (x) c = V I."""
+def _facets(t: Tessellation) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Body, area vector and centroid of all facets, those of contacts from either side."""
     c, s = t.contacts, t.surface
-    area = np.concatenate([c.area, c.area, s.area])
-    normal = np.concatenate([c.normal, -c.normal, s.normal])
-    body = np.concatenate([c.bodies[:, 0], c.bodies[:, 1], s.body])
-    arm = np.concatenate([c.centroid, c.centroid, s.centroid]) - t.x[body]
-    vector, moment, skin = np.zeros((len(t), 3)), np.zeros((len(t), 3, 3)), np.zeros(len(t))
-    np.add.at(vector, body, area[:, None] * normal)
-    np.add.at(moment, body, area[:, None, None] * normal[:, :, None] * arm[:, None, :])
-    np.add.at(skin, body, area)
-    assert_allclose(vector / skin[:, None], 0.0, atol=1e-9)
+    inner, outer = c.area[:, None] * c.normal, s.area[:, None] * s.normal
+    return (
+        np.concatenate([c.bodies[:, 0], c.bodies[:, 1], s.body]),
+        np.concatenate([inner, -inner, outer]),
+        np.concatenate([c.centroid, c.centroid, s.centroid]),
+    )
+
+
+def check_volumes(t: Tessellation, domain: Domain, rtol: float = 1e-10) -> None:
+    assert (t.volume > 0.0).all()
+    assert_allclose(t.volume.sum(), domain.volume, rtol=rtol)
+
+
+def check_closed(t: Tessellation, l: float) -> None:  # noqa: E741
+    """Every body is closed, and its facets enclose its volume: sum A n = 0, sum A n (x) c = V I."""
+    body, vector, centroid = _facets(t)
+    total, moment = np.zeros((len(t), 3)), np.zeros((len(t), 3, 3))
+    np.add.at(total, body, vector)
+    np.add.at(moment, body, vector[:, :, None] * (centroid - t.x[body])[:, None, :])
+    assert_allclose(total / l**2, 0.0, atol=1e-9)
     assert_allclose(moment / t.volume[:, None, None], np.tile(np.eye(3), (len(t), 1, 1)), atol=1e-7)
+
+
+def check_patch(t: Tessellation, l: float) -> None:  # noqa: E741
+    """Affine displacements are in equilibrium with the tractions of their uniform stress, for alpha = 1."""
+    strain = np.array([[0.3, 0.5, -0.7], [0.5, -1.0, 0.2], [-0.7, 0.2, 0.6]])
+    c, s = t.contacts, t.surface
+    i, j = c.bodies.T
+    force = c.area[:, None] * ((t.x[j] - t.x[i]) @ strain) / c.length[:, None]
+    outside = s.area[:, None] * (s.normal @ strain)
+    total, moment = np.zeros((len(t), 3)), np.zeros((len(t), 3))
+    for body, f, place in ((i, force, c.centroid), (j, -force, c.centroid), (s.body, outside, s.centroid)):
+        np.add.at(total, body, f)
+        np.add.at(moment, body, np.cross(place - t.x[body], f))
+    assert_allclose(total / l**2, 0.0, atol=1e-9)
+    assert_allclose(moment / l**3, 0.0, atol=1e-9)
 
 
 def check_contacts(t: Tessellation) -> None:
@@ -49,28 +65,21 @@ def check_contacts(t: Tessellation) -> None:
     np.testing.assert_array_equal(c.fine, t.fine[c.bodies].all(axis=1))
 
 
-def surface_areas(box: Box) -> np.ndarray:
-    """Area of each named surface of a box whose notches do not meet."""
-    size = np.asarray(box.size)
-    area = np.array([np.prod(np.delete(size, axis)) for axis, _ in FACES.values()] + [0.0])
-    for notch in box.notches:
-        through = size[notch.through]
-        area[2 * notch.axis + notch.side] -= notch.width * through
-        area[2 * notch.through : 2 * notch.through + 2] -= notch.width * notch.depth
-        area[-1] += (2.0 * notch.depth + notch.width) * through
-    return area
-
-
-def check_surface(t: Tessellation, box: Box) -> None:
+def check_surface(t: Tessellation, domain: Domain) -> None:
+    """Named surfaces have their areas, and one facet for each body and plane; ledges face both ways."""
     s = t.surface
-    assert s.names == (*FACES, "notch")
-    areas = np.bincount(s.surface, s.area, len(s.names))
-    assert_allclose(areas, surface_areas(box), rtol=1e-9, atol=1e-9 * box.size[0] ** 2)
-    for k, (axis, side) in enumerate(FACES.values()):
-        on = s.surface == k
-        assert_allclose(s.normal[on], np.tile((2.0 * side - 1.0) * np.eye(3)[axis], (on.sum(), 1)), atol=0)
-        assert_allclose(s.centroid[on, axis], side * box.size[axis], atol=1e-15)
-        assert len(np.unique(s.body[on])) == on.sum()  # one facet of each body on a face
+    assert s.names[: len(domain.surfaces)] == domain.surfaces
+    assert s.names[len(domain.surfaces) :] in ((), (LEDGE,))
+    parts = [domain.faces(name) for name in domain.surfaces]
+    scale = domain.complex.extent**2
+    for k, named in enumerate(parts):
+        mine = s.surface == k
+        assert_allclose(s.area[mine].sum(), sum(part.area for part in named), rtol=1e-9, atol=1e-9 * scale)
+        vector = (s.area[mine, None] * s.normal[mine]).sum(axis=0)
+        assert_allclose(vector, sum(part.area * part.normal for part in named), atol=1e-9 * scale)
+    ledge = s.surface == len(domain.surfaces)
+    assert_allclose((s.area[ledge, None] * s.normal[ledge]).sum(axis=0), 0.0, atol=1e-9 * scale)
+    assert not ledge.any() or domain.notches
 
 
 def check_polygons(t: Tessellation) -> None:
@@ -87,75 +96,73 @@ def check_polygons(t: Tessellation) -> None:
         assert_allclose(mean / area[:, None], facets.centroid, atol=1e-12)
         normal = vector / size[:, None]
         large = size > 1e-6 * size.max(initial=0.0)
-        along = np.abs(np.einsum("ka,ka->k", normal, facets.normal[p.facet]))
+        along = np.einsum("ka,ka->k", normal, facets.normal[p.facet])
         assert_allclose(along[large], 1.0, atol=1e-6)
 
 
-def check_voronoi(t: Tessellation) -> None:
-    """Facets lie midway between their nuclei, and no other nucleus is nearer to any of their corners."""
-    tree = cKDTree(t.x)
+def check_owners(t: Tessellation, domain: Domain, l: float) -> None:  # noqa: E741
+    """Behind every facet lies the body that it belongs to, found point by point, and before it the other one."""
     c, s = t.contacts, t.surface
-    places = [
-        (c.polygons.points, _owners(c.polygons, c.bodies[:, 0])),
-        (c.polygons.points, _owners(c.polygons, c.bodies[:, 1])),
-        (c.centroid, c.bodies[:, 0]),
-        (c.centroid, c.bodies[:, 1]),
-        (s.polygons.points, _owners(s.polygons, s.body)),
-        (s.centroid, s.body),
-    ]
-    for points, body in places:
-        nearest, _ = tree.query(points)
-        assert_allclose(np.linalg.norm(points - t.x[body], axis=1), nearest, atol=1e-9)
+    for facets, behind, before in ((c, c.bodies[:, 0], c.bodies[:, 1]), (s, s.body, None)):
+        p = facets.polygons
+        vector, centroid = areas_and_centroids(p.points, p.offsets)
+        rows = np.flatnonzero(np.linalg.norm(vector, axis=1) > 1e-4 * l**2)
+        facet = p.facet[rows]
+        step = 1e-6 * l * facets.normal[facet]
+        for place, body in ((centroid[rows] - step, behind), (centroid[rows] + step, before)):
+            if body is None:
+                continue
+            cell = domain.cell_of(place)
+            assert (cell >= 0).all()
+            np.testing.assert_array_equal(owners(t, place, cell), body[facet])
 
 
-def check_notches(t: Tessellation, box: Box) -> None:
-    """No contact joins both sides below the root; above it the ligament is whole; the tip is where it should be."""
-    c, s = t.contacts, t.surface
-    tolerance = 1e-9 * max(box.size)
-    corner_facet = np.repeat(c.polygons.facet, np.diff(c.polygons.offsets))
-    for notch in box.notches:
-        beyond = t.x[:, notch.normal] > notch.position
-        crossing = beyond[c.bodies[:, 0]] != beyond[c.bodies[:, 1]]
-        height = notch.height(c.polygons.points)
-        assert height[crossing[corner_facet]].min() >= -tolerance
-        sides = np.where(beyond[c.bodies[:, 1]], 1.0, -1.0)
-        flux = (c.area * c.normal[:, notch.normal] * sides)[crossing].sum()
-        cut = sum(n.depth for n in box.notches if (n.normal, n.position) == (notch.normal, notch.position))
-        ligament = (box.size[notch.axis] - cut) * box.size[notch.through]
-        # Coarse bodies may reach from their side of the plane to the end of the other one.
-        astray = (s.surface == 2 * notch.normal) & beyond[s.body]
-        astray |= (s.surface == 2 * notch.normal + 1) & ~beyond[s.body]
-        assert_allclose(flux + s.area[astray].sum(), ligament, rtol=1e-9)
-        # Facets in the mid-plane begin exactly at the tip.
-        middle = np.abs(c.polygons.points[:, notch.normal] - notch.position) < tolerance
-        if notch.width == 0.0:
-            assert_allclose(height[middle & crossing[corner_facet]].min(), 0.0, atol=tolerance)
-        # Nothing is left inside a saw cut, walls face it.
-        for polygons in (c.polygons, s.polygons):
-            depth = np.minimum(
-                0.5 * notch.width - np.abs(polygons.points[:, notch.normal] - notch.position),
-                -notch.height(polygons.points),
-            )
-            assert depth.max(initial=0.0) <= tolerance
-    walls = s.surface == len(s.names) - 1
-    assert walls.any() == bool(box.notches)
-    outside = s.centroid[walls] + 1e-7 * s.normal[walls]
-    inside = s.centroid[walls] - 1e-7 * s.normal[walls]
-    assert box.contains(inside).all()
-    open_cut = np.zeros(len(outside), bool)
-    for notch in box.notches:
-        open_cut |= notch.in_void(outside)
-        if notch.width == 0.0:
-            middle = np.abs(s.centroid[walls, notch.normal] - notch.position) < tolerance
-            open_cut |= middle & (notch.height(s.centroid[walls]) < tolerance)
-    assert open_cut.all()
+def check_notch(t: Tessellation, domain: Domain) -> None:
+    """Of a box with one straight notch: behind its tip nothing crosses it and no body reaches around it.
+
+    The ligament is whole, and the notch is straight.
+    """
+    c, s, (notch,) = t.contacts, t.surface, domain.notches
+    tolerance = 1e-9 * domain.complex.extent
+    beyond = notch.across(t.x) > 0.0
+    crossing = beyond[c.bodies[:, 0]] != beyond[c.bodies[:, 1]]
+    for facets, bodies in ((c, c.bodies), (s, s.body[:, None])):
+        points = facets.polygons.points
+        facet = np.repeat(facets.polygons.facet, np.diff(facets.polygons.offsets))
+        behind = notch.ahead(points) < -tolerance
+        side = np.where(beyond[bodies[facet]], 1.0, -1.0) * notch.across(points)[:, None]
+        assert side[behind].min(initial=0.0) >= -tolerance
+        if facets is c:
+            assert not crossing[facet[behind]].any()
+    sign = np.where(beyond[c.bodies[:, 1]], 1.0, -1.0)
+    flux = (c.area * (c.normal @ notch.normal) * sign)[crossing].sum()
+    # Coarse bodies may reach from their side of the plane to the end of the other one.
+    across = s.normal @ notch.normal
+    astray = (np.abs(across) > 0.5) & (s.surface < len(FACES)) & (beyond[s.body] != (across > 0.0))
+    size = domain.size
+    axis, through = (
+        np.abs(notch.direction).argmax(),
+        3 - np.abs(notch.normal).argmax() - np.abs(notch.direction).argmax(),
+    )
+    assert_allclose(flux + s.area[astray].sum(), (size[axis] - notch.depth) * size[through], rtol=1e-9)
+    # Walls are where the notch is, and all of them.
+    walls = s.surface == domain.surfaces.index("notch")
+    upright = walls & (np.abs(across) > 0.5)
+    assert_allclose(np.abs(notch.across(s.centroid[upright])), 0.5 * notch.width, atol=tolerance)
+    for side in (True, False):
+        mine = upright & (beyond[s.body] == side)
+        assert_allclose(s.area[mine].sum(), notch.depth * size[through], rtol=1e-9)
+        assert ((across[mine] < 0.0) == side).all()
+    # Ledges lie at the level of the tip.
+    ledge = s.surface == len(domain.surfaces)
+    assert_allclose(notch.ahead(s.centroid[ledge]), 0.0, atol=tolerance)
 
 
-def check_all(t: Tessellation, box: Box) -> None:
-    check_volumes(t, box)
-    check_closed(t)
+def check_all(t: Tessellation, domain: Domain, l: float, rtol: float = 1e-10) -> None:  # noqa: E741
+    check_volumes(t, domain, rtol)
+    check_closed(t, l)
+    check_patch(t, l)
     check_contacts(t)
-    check_surface(t, box)
+    check_surface(t, domain)
     check_polygons(t)
-    check_voronoi(t)
-    check_notches(t, box)
+    check_owners(t, domain, l)

@@ -27,17 +27,10 @@ def spacing_of(centers, nuclei: Nuclei = NUCLEI, r_f: float = 0.015, ramp: float
 
 def by_the_book(nuclei: Nuclei, spacing: np.ndarray) -> np.ndarray:
     """The selection as theory section 5 says it, with no concern for speed."""
-    has_twin = nuclei.twin >= 0
-    twin = np.where(has_twin, nuclei.twin, np.arange(len(nuclei)))
-    spacing = np.minimum(spacing, spacing[twin])
     kept = spacing == 0.0
-    for i in np.argsort(nuclei.priority, kind="stable"):
-        if kept[i]:
-            continue
-        pair = np.unique([i, twin[i]])
-        distance = np.linalg.norm(nuclei.x[pair][:, None] - nuclei.x[kept], axis=2)
-        if not (distance < spacing[i]).any():
-            kept[pair] = True
+    for i in np.argsort(nuclei.priority):
+        if not kept[i]:
+            kept[i] = not (np.linalg.norm(nuclei.x[i] - nuclei.x[kept], axis=1) < spacing[i]).any()
     return np.flatnonzero(kept)
 
 
@@ -51,28 +44,17 @@ def test_by_the_book(centers):
 def test_spacing_and_saturation(centers):
     spacing = spacing_of(centers)
     kept, fine = select(NUCLEI, spacing)
-    has_twin = NUCLEI.twin >= 0
-    twin = np.where(has_twin, NUCLEI.twin, np.arange(len(NUCLEI)))
-    own = np.minimum(spacing, spacing[twin])
     # All of the refined region, and only that, is fine.
     assert np.isin(np.flatnonzero(spacing == 0.0), kept).all()
-    assert_array_equal(fine, own[kept] == 0.0)
-    # Twins stay together.
-    mask = np.zeros(len(NUCLEI), bool)
-    mask[kept] = True
-    assert_array_equal(mask[twin], mask)
+    assert_array_equal(fine, spacing[kept] == 0.0)
     # Apart.
     distance = np.linalg.norm(NUCLEI.x[:, None] - NUCLEI.x[kept], axis=2)
     among = distance[kept].copy()
     among[kept[:, None] == kept] = np.inf
-    among[twin[kept][:, None] == kept] = np.inf
-    assert (among >= np.minimum(own[kept][:, None], own[kept])).all()
-    # Saturated: whoever is left out, or its twin, has a neighbour too near.
-    dropped = np.flatnonzero(~mask)
-    nearest = np.minimum(
-        distance[dropped].min(axis=1, initial=np.inf), distance[twin[dropped]].min(axis=1, initial=np.inf)
-    )
-    assert (nearest < own[dropped]).all()
+    assert (among >= np.minimum(spacing[kept][:, None], spacing[kept])).all()
+    # Saturated: whoever is left out has a neighbour too near.
+    dropped = np.setdiff1d(np.arange(len(NUCLEI)), kept)
+    assert (distance[dropped].min(axis=1, initial=np.inf) < spacing[dropped]).all()
 
 
 @given(balls, st.randoms(use_true_random=False))
@@ -91,11 +73,7 @@ def test_order_of_refinements_does_not_matter(centers, random):
 @given(balls, st.integers(0, 2**32 - 1))
 def test_numbering_does_not_matter(centers, seed):
     order = np.random.default_rng(seed).permutation(len(NUCLEI))
-    place = np.argsort(order)
-    twin = NUCLEI.twin[order]
-    renumbered = Nuclei(
-        NUCLEI.x[order], NUCLEI.priority[order], np.where(twin >= 0, place[twin], -1), L_F, NUCLEI.widest[order]
-    )
+    renumbered = Nuclei(NUCLEI.x[order], NUCLEI.home[order], NUCLEI.priority[order], L_F, NUCLEI.complex)
     spacing = spacing_of(centers)
     kept, fine = select(NUCLEI, spacing)
     kept2, fine2 = select(renumbered, spacing[order])

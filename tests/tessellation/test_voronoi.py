@@ -9,11 +9,16 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import Voronoi
 
+from fissura.specimen.shapes.box import box
+from fissura.tessellation.measures import volume_of
 from fissura.tessellation.polygon import areas_and_centroids
 from fissura.tessellation.voronoi import Cells, voronoi_cells
 
+from .build import SHAPES, shape
+
 SIZE = (1.0, 0.8, 0.6)
 EXTENT = np.array(SIZE)
+BOX, SURFACES = box(SIZE).build()
 
 
 def guess(x) -> np.ndarray:
@@ -21,14 +26,15 @@ def guess(x) -> np.ndarray:
 
 
 def cells_of(x) -> Cells:
-    return voronoi_cells(np.ascontiguousarray(x, float), SIZE, guess(x))
+    return voronoi_cells(np.asarray(x, float), np.zeros(len(x), int), BOX, len(SURFACES), guess(x))
 
 
 def residuals(cells: Cells) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Volume of each cell, its surface, and how far it is from closed."""
-    x, (i, j), body = cells.x, cells.pairs.T, cells.surface_body
-    inner, centroid = areas_and_centroids(cells.facets.points, cells.facets.offsets)
-    outer, outer_centroid = areas_and_centroids(cells.surface.points, cells.surface.offsets)
+    x, bodies = cells.x, cells.bodies
+    i, j, body = bodies.inner.body, bodies.inner.other, bodies.outer.body
+    inner, centroid = areas_and_centroids(bodies.inner.polygons.points, bodies.inner.polygons.offsets)
+    outer, outer_centroid = areas_and_centroids(bodies.outer.polygons.points, bodies.outer.polygons.offsets)
     cells_, vectors = np.concatenate([i, j, body]), np.concatenate([inner, -inner, outer])
     arms = np.concatenate([centroid, centroid, outer_centroid]) - x[cells_]
     volume, skin, closure = np.zeros(len(x)), np.zeros(len(x)), np.zeros((len(x), 3))
@@ -56,8 +62,8 @@ def by_reflection(x) -> dict[tuple[int, int], float]:
 
 
 def areas_of(cells: Cells) -> dict[tuple[int, int], float]:
-    vector, _ = areas_and_centroids(cells.facets.points, cells.facets.offsets)
-    return {(int(i), int(j)): float(a) for (i, j), a in zip(cells.pairs, np.linalg.norm(vector, axis=1), strict=True)}
+    facets = cells.bodies.inner
+    return {(int(i), int(j)): float(a) for i, j, a in zip(facets.body, facets.other, facets.area, strict=True)}
 
 
 @given(st.integers(1, 150), st.integers(0, 2**32 - 1), st.floats(1.0, 3.0))
@@ -111,33 +117,32 @@ def test_irregular(x):
     assert_allclose(volume.sum(), EXTENT.prod(), rtol=1e-12)
     assert volume.min() > 0.0
     assert_allclose(closure / skin.max(), 0.0, atol=1e-12)
-    assert (cells.pairs[:, 0] < cells.pairs[:, 1]).all()
-    key = cells.pairs @ [len(x), 1]
-    assert (np.diff(key) > 0).all()
-    key = 6 * cells.surface_body + cells.surface_face
-    assert (np.diff(key) > 0).all()
-    assert_allclose(np.bincount(cells.surface_face, minlength=6) > 0, True)
+    inner, outer = cells.bodies.inner, cells.bodies.outer
+    assert (inner.body < inner.other).all()
+    assert (np.diff(inner.body * len(x) + inner.other) > 0).all()
+    assert (np.diff(6 * outer.body + outer.other) > 0).all()
+    assert_allclose(np.bincount(-1 - outer.other, minlength=6) > 0, True)
 
 
 def test_many_facets():
     """More neighbours and corners than there is room for at first."""
     cells = cells_of(IRREGULAR["sphere and its centre"])
-    assert (cells.pairs[:, 0] == 0).sum() == 300
+    assert (cells.bodies.inner.body == 0).sum() == 300
 
 
 def test_corners_on_faces_are_exactly_there():
-    cells = cells_of(RNG.uniform(0.0, 1.0, (200, 3)) * SIZE)
-    face = np.repeat(cells.surface_face, np.diff(cells.surface.offsets))
-    coordinate = cells.surface.points[np.arange(len(face)), face // 2]
+    bodies = cells_of(RNG.uniform(0.0, 1.0, (200, 3)) * SIZE).bodies
+    face = np.repeat(-1 - bodies.outer.other, np.diff(bodies.outer.polygons.offsets))
+    coordinate = bodies.outer.polygons.points[np.arange(len(face)), face // 2]
     assert_array_equal(coordinate, EXTENT[face // 2] * (face % 2))
-    assert (cells.facets.points >= 0.0).all()
-    assert (cells.facets.points <= EXTENT).all()
+    assert (bodies.inner.polygons.points >= 0.0).all()
+    assert (bodies.inner.polygons.points <= EXTENT).all()
 
 
 def test_neighbours_share_their_corners_bit_for_bit():
     """All corners of random nuclei belong to six facets between cells, or to fewer at the surface, not to one less."""
-    cells = cells_of(RNG.uniform(0.0, 1.0, (500, 3)) * SIZE)
-    points, times = np.unique(cells.facets.points, axis=0, return_counts=True)
+    bodies = cells_of(RNG.uniform(0.0, 1.0, (500, 3)) * SIZE).bodies
+    points, times = np.unique(bodies.inner.polygons.points, axis=0, return_counts=True)
     inside = ((points > 0.0) & (points < EXTENT)).all(axis=1)
     assert_array_equal(times[inside], 6)
 
@@ -145,13 +150,19 @@ def test_neighbours_share_their_corners_bit_for_bit():
 @pytest.mark.parametrize("factor", [1e-4, 0.3, 100.0])
 def test_guess_of_spacing_does_not_matter(factor):
     x = RNG.uniform(0.0, 1.0, (300, 3)) ** 2 * SIZE
-    one, other = cells_of(x), voronoi_cells(x, SIZE, factor * guess(x))
-    assert_array_equal(one.pairs, other.pairs)
-    assert_array_equal(one.facets.points, other.facets.points)
-    assert_array_equal(one.surface.points, other.surface.points)
+    one = cells_of(x).bodies
+    other = voronoi_cells(x, np.zeros(len(x), int), BOX, len(SURFACES), factor * guess(x)).bodies
+    assert_array_equal(one.inner.other, other.inner.other)
+    assert_array_equal(one.inner.polygons.points, other.inner.polygons.points)
+    assert_array_equal(one.outer.polygons.points, other.outer.polygons.points)
     assert_array_equal(one.reach2, other.reach2)
 
 
 def test_coinciding_nuclei():
     with pytest.raises(ValueError, match="coincide"):
         cells_of([[0.1, 0.1, 0.1], [0.5, 0.5, 0.5], [0.1, 0.1, 0.1]])
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_volume_of_a_complex(name):
+    assert_allclose(volume_of(shape(name).complex), shape(name).volume, rtol=1e-12)

@@ -82,7 +82,7 @@ def calibrated(system: System, target: float, start: float = 1.0) -> System:
         return system
     if start != 1.0 and len(system.coarse):
         system = system.scaled(start)
-    for _ in range(4):
+    for attempt in range(4):
         if not len(system.coarse):
             break
         solutions = _unit_solutions(system)
@@ -90,7 +90,7 @@ def calibrated(system: System, target: float, start: float = 1.0) -> System:
         if abs(compliance / target - 1.0) < _ACCURACY:
             break
         slope = system.elastic_share(solutions) * system.elastic_scale
-        if abs(slope) < _SMALLEST_SHARE * target:
+        if attempt == 0 and abs(slope) < _SMALLEST_SHARE * target:
             break
         inverse = 1.0 / system.elastic_scale + (target - compliance) / slope
         scale = min(max(1.0 / inverse, _LIMITS[0]), _LIMITS[1]) if inverse > 0.0 else _LIMITS[1]

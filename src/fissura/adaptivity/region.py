@@ -13,7 +13,7 @@ from fissura.material import Regions
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.specimen import Box
+    from fissura.specimen import Domain
 
 __all__ = ["RefinedRegion", "region_from_case"]
 
@@ -108,10 +108,10 @@ class RefinedRegion:
         return np.where(d <= 0.0, 0.0, self.l_f + (self.l_c - self.l_f) * share)
 
 
-def region_from_case(case: Case, box: Box, *, full: bool) -> RefinedRegion:
+def region_from_case(case: Case, domain: Domain, *, full: bool) -> RefinedRegion:
     """The region that is fine from the start."""
     part, sizes = case.adaptivity, case.discretization
-    lines = [notch.tip_lines() for notch in box.notches] if part.notch_tips else []
+    lines = [notch.tip_lines() for notch in domain.notches] if part.notch_tips else []
     regions = Regions.from_parts(part.regions)
     return RefinedRegion(
         sizes.l_f,

@@ -19,23 +19,20 @@ from fissura.case.adaptivity import Adaptivity
 from fissura.case.field import Field as RandomField
 from fissura.case.material import Macro, Material
 from fissura.case.part import Part
+from fissura.case.place import Notch, Patch
 from fissura.case.ranges import LONGEST
 from fissura.case.region import BallRegion, BoxRegion
+from fissura.case.shape import Specimen, Voids
 from fissura.case.types import (
-    Axis,
     Count,
     Direction,
     File,
     Flag,
     Iterations,
-    Length,
-    Point,
     PositiveLength,
     Share,
-    Size,
     StepLength,
     Target,
-    Thickness,
     Thousands,
     Tolerance,
     as_tuple,
@@ -68,10 +65,6 @@ __all__ = [
 Quantity = Literal["gauge", "displacement"]
 """What may be controlled: the gauge, or the displacement of the load."""
 
-#: Axis along which positions on a face are given unless the case says otherwise.
-FACE_AXIS: dict[str, Axis] = {"left": "y", "right": "y"}
-
-
 #: What names of folders cannot hold: signs of paths and shells, control characters, bytes that are not UTF-8.
 _NOT_IN_NAMES = re.compile(r'[\x00-\x1f\x7f-\x9f<>:"/\\|?*\u2028\u2029\ud800-\udfff]')
 
@@ -84,45 +77,6 @@ def folder_name(text: str) -> str:
     clean = _NOT_IN_NAMES.sub("_", text)[:_LONGEST_NAME]
     clean = clean.encode()[:_LONGEST_BYTES].decode(errors="ignore")
     return clean if clean.strip(". ") else "case"
-
-
-def _axis_of_face(data: dict[str, Any]) -> Axis:
-    return FACE_AXIS.get(data.get("face", ""), "x")
-
-
-class Specimen(Part):
-    """Body of material; a box occupies ``[0, size]``."""
-
-    shape: str = Field(default="box", description="the name of a shape")
-    size: Size = Field(description='three lengths [length x, depth y, thickness z], each such as "50 mm"')
-
-
-class Notch(Part):
-    """Straight notch through the specimen, cut from a face inwards."""
-
-    face: str = Field(default="bottom", description="the name of a face")
-    normal: Axis = Field(default_factory=_axis_of_face, description='"x", "y" or "z"')
-    position: Length = Field(description='a length such as "50 mm", the coordinate along normal')
-    depth: PositiveLength = Field(description='a length such as "50 mm"')
-    width: Thickness = Field(default=0.0, description="a length; zero for an ideal cut")
-
-
-class Patch(Part):
-    """Place on the surface: a whole face, a line or strip across it, or a point."""
-
-    face: str = Field(description="the name of a face, such as bottom or top")
-    at: Length | None = Field(default=None, description="a length, the coordinate on the face along `along`")
-    along: Axis = Field(default_factory=_axis_of_face, description='"x", "y" or "z"')
-    width: Thickness = Field(default=0.0, description="a length; zero for a line")
-    point: Point | None = Field(default=None, description="three lengths")
-
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
-        if self.at is not None and self.point is not None:
-            fail("is given together with at", "either at or point, or neither for the whole face", "point")
-        if self.width > 0 and self.at is None:
-            fail("is given without at", "a width only with at: it is the width of the platen there", "width")
-        return self
 
 
 class Support(Patch):
@@ -216,6 +170,7 @@ class Case(Part):
     name: str = "case"
     seed: Count = 1
     specimen: Specimen = Field(description="a table [specimen] with size")
+    minus: Annotated[Voids, at_most(100)] = ()
     notch: Annotated[tuple[Notch, ...], BeforeValidator(as_tuple), at_most(100)] = ()
     supports: Annotated[tuple[Support, ...], BeforeValidator(as_tuple), at_most(50)] = Field(
         description="at least one table [[supports]] with type and face"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
@@ -96,18 +97,21 @@ def _material(case: Case) -> Iterable[Notice]:
 
 def _specimen(case: Case) -> Iterable[Notice]:
     """Specimens as large as a mountain: millimetres were meant."""
-    largest = max(case.specimen.size)
+    largest = case.specimen.largest
+    if largest is None:
+        return  # a mesh: whoever reads it knows
+    key = f"specimen.{'size' if case.specimen.shape == 'box' else case.specimen.shape}"
     where = told(largest, LENGTH)
     advice = 'see whether a unit is missing: numbers without one are in m; write such as "350 mm"'
     if largest > 100.0:
-        yield Notice("specimen.size", f"{where} is very large for a specimen, above 100 m", advice)
+        yield Notice(key, f"{where} is very large for a specimen, above 100 m", advice)
     elif largest < 1e-3:
-        yield Notice("specimen.size", f"{where} is very small for a specimen, below 1 mm", advice)
+        yield Notice(key, f"{where} is very small for a specimen, below 1 mm", advice)
 
 
 def _target(case: Case) -> Iterable[Notice]:
     """Ends of a run that are too far for small displacements, or too near for any crack."""
-    target, largest = case.control.target, max(case.specimen.size)
+    target, largest = case.control.target, case.specimen.largest or math.inf
     material, l_f = case.material, case.discretization.l_f
     if target > MOST_DISPLACEMENT * largest:
         yield Notice(
@@ -129,7 +133,7 @@ def _target(case: Case) -> Iterable[Notice]:
 
 def _spacings(case: Case) -> Iterable[Notice]:
     """Lengths of the discretization beyond the specimen: a unit is missing. Defaults in terms of `l_f` may be so."""
-    largest = max(case.specimen.size)
+    largest = case.specimen.largest or math.inf
     for part, name, what in (
         ("discretization", "l_c", "coarse bodies are as large as l_c where they can be"),
         ("adaptivity", "r_f", "everything is fine as soon as one body is critical"),
@@ -155,7 +159,7 @@ def _field(case: Case) -> Iterable[Notice]:
                 f"{cov:g} means a scatter of {cov:.0%} of the mean",
                 'a share such as 0.25, or per cent such as "25 %"',
             )
-    largest = max(case.specimen.size)
+    largest = case.specimen.largest or math.inf
     if min(part.length) > MOST_LENGTH * largest:
         yield Notice(
             "field.length",

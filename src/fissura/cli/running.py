@@ -80,7 +80,7 @@ def new(
         if list_:
             for name in sorted(known):
                 first = known[name].read_text(encoding="utf-8").splitlines()[0]
-                typer.echo(f"{name:<10} {first.removeprefix('#').strip()}")
+                typer.echo(f"{name:<20} {first.removeprefix('#').strip()}")
         elif template not in known:
             problem = f"{template!r} is not known" if template else "missing"
             raise InputError("template", problem, ", ".join(sorted(known)))

@@ -16,15 +16,14 @@ from numpy.typing import NDArray
 
 from fissura.case import Patch, case_from_dict
 from fissura.contact import law_from_case
-from fissura.equilibrium import System, attach, owners
+from fissura.equilibrium import System, attach
 from fissura.material import material_from_case
-from fissura.specimen import Functional, conditions_from_case, specimen_from_case
-from fissura.specimen.patch import patch_from_part
-from fissura.tessellation import discretize, nuclei_from_case
+from fissura.specimen import Functional, conditions_from_case, domain_from_case, place_from_part
+from fissura.tessellation import discretize, nuclei_from_case, owners
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.specimen import Box
+    from fissura.specimen import Domain
     from fissura.tessellation import Tessellation
 
 __all__ = ["Prism", "PrismConstants", "prism_case"]
@@ -95,22 +94,22 @@ class Prism:
 
     Attributes
     ----------
-    box : Box
-        Its shape.
+    size : (3,) array
+        Its length, depth and thickness [m].
     system : System
         Its equations, for contacts of modulus 1 Pa and ``alpha = 1``.
     """
 
     def __init__(self, width: float, aspect: float, spacing: float, seed: int) -> None:
         case = prism_case(width, aspect, spacing, seed, 1e9, 1.0)
-        box = specimen_from_case(case)
-        nuclei = nuclei_from_case(case, box)
-        tessellation = discretize(nuclei, box, np.zeros(len(nuclei)))
-        conditions = conditions_from_case(case, box)
-        self.box = box
+        domain = domain_from_case(case)
+        nuclei = nuclei_from_case(case, domain)
+        tessellation = discretize(nuclei, domain, np.zeros(len(nuclei)))
+        conditions = conditions_from_case(case, domain)
+        self.size = domain.size
         material = replace(material_from_case(case), E=1.0)  # less than any case may have
         self.system = System(tessellation, material, law_from_case(case), conditions)
-        sides = _Sides(box, tessellation, spacing / 5.0)  # sampled as the load is
+        sides = _Sides(domain, tessellation, spacing / 5.0)  # sampled as the load is
         self._rows = np.stack([sides.elongation(), sides.gauge(), sides.swelling()])
 
     def __len__(self) -> int:
@@ -125,7 +124,7 @@ class Prism:
     def constants(self, alpha: float, E: float = 1.0) -> PrismConstants:
         """Elastic constants of the prism for given contact constants."""
         u = self.solution(alpha)
-        stress = 1.0 / (self.box.size[1] * self.box.size[2])
+        stress = 1.0 / (self.size[1] * self.size[2])
         whole, axial, lateral = (float(row @ u) for row in self._rows)
         return PrismConstants(E * stress / whole, E * stress / axial, -lateral / axial)
 
@@ -137,27 +136,27 @@ class _Sides:
     corner of the prism may spin about a line, and moves far under the load that is spread over its face.
     """
 
-    def __init__(self, box: Box, tessellation: Tessellation, spacing: float) -> None:
-        self._box, self._tessellation, self._spacing = box, tessellation, spacing
+    def __init__(self, domain: Domain, tessellation: Tessellation, spacing: float) -> None:
+        self._domain, self._tessellation, self._spacing = domain, tessellation, spacing
         touching = np.bincount(tessellation.contacts.bodies.ravel(), minlength=len(tessellation))
         self._held = touching >= 3
 
     def mean(self, part: dict[str, Any], direction: int, factor: float) -> FloatArray:
         """A factor times the mean displacement of a place along an axis, as a row over all unknowns; (6 n,)."""
-        patch = patch_from_part(Patch.model_validate(part), self._box, self._spacing, "gauge")
-        held = self._held[owners(self._tessellation, patch.points)]
-        weights = patch.weights[held] / patch.weights[held].sum()
-        functional = Functional(patch.points[held], factor * weights[:, None] * np.eye(3)[direction])
+        place = place_from_part(Patch.model_validate(part), self._domain, self._spacing, "gauge")
+        held = self._held[owners(self._tessellation, place.points, place.cells)]
+        weights = place.weights[held] / place.weights[held].sum()
+        functional = Functional(place.points[held], factor * weights[:, None] * np.eye(3)[direction], place.cells[held])
         return attach(functional, self._tessellation).ravel()
 
     def elongation(self) -> FloatArray:
         """Mean axial strain from end to end."""
-        length = self._box.size[0]
+        length = self._domain.size[0]
         return self.mean({"face": "right"}, 0, 1.0 / length) - self.mean({"face": "left"}, 0, 1.0 / length)
 
     def gauge(self) -> FloatArray:
         """Mean axial strain over the middle, from bands around the prism."""
-        length = self._box.size[0]
+        length = self._domain.size[0]
         span, band = _GAUGE * length, {"width": _BAND * length, "along": "x"}
         ends = ((-1.0, 0.5 * (length - span)), (1.0, 0.5 * (length + span)))
         bands = product(("bottom", "top", "front", "back"), ends)
@@ -166,7 +165,7 @@ class _Sides:
 
     def swelling(self) -> FloatArray:
         """Mean lateral strain over the middle, of both lateral directions."""
-        size = self._box.size
+        size = self._domain.size
         strip = {"at": 0.5 * size[0], "width": _GAUGE * size[0], "along": "x"}
         faces = (("bottom", 1, -1.0), ("top", 1, 1.0), ("front", 2, -1.0), ("back", 2, 1.0))
         rows = [self.mean({"face": face, **strip}, axis, sign / (2.0 * size[axis])) for face, axis, sign in faces]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fissura.equilibrium.attach import attach, owners
+from fissura.equilibrium.attach import attach
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.direct import SOLVERS, best_solver
 from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
@@ -31,7 +31,6 @@ __all__ = [
     "best_solver",
     "check_places",
     "dissipating",
-    "owners",
     "prescribed",
     "settle",
 ]

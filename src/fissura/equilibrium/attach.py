@@ -3,35 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from scipy.spatial import cKDTree
 
 from fissura.specimen import Functional
-from fissura.tessellation import Tessellation
+from fissura.tessellation import Bodies, Tessellation, owners
 
-__all__ = ["Bodies", "attach", "attach_rows", "owners"]
+__all__ = ["attach", "attach_rows", "owners_of"]
 
 FloatArray = NDArray[np.float64]
 
 
-class Bodies(Protocol):
-    """What has a nucleus for every body: a tessellation, or all nuclei of a specimen."""
-
-    @property
-    def x(self) -> FloatArray:
-        """Nuclei [m], shape (n, 3)."""
-
-    def __len__(self) -> int: ...
-
-
-def owners(bodies: Bodies, points: FloatArray) -> NDArray[np.int64]:
-    """Body that owns each point: the one with the nearest nucleus; (k, 3) -> (k,)."""
-    _, body = cKDTree(bodies.x).query(points)
-    return np.asarray(body, dtype=np.int64)
+def owners_of(functionals: Sequence[Functional], bodies: Bodies) -> NDArray[np.int64]:
+    """Bodies that own the points of several functionals, one after the other."""
+    points = np.concatenate([f.points for f in functionals])
+    return owners(bodies, points, np.concatenate([f.cells for f in functionals]))
 
 
 def attach(functional: Functional, tessellation: Tessellation) -> FloatArray:
@@ -44,7 +32,7 @@ def attach(functional: Functional, tessellation: Tessellation) -> FloatArray:
     (n, 6) array
         As a load: forces [N] and moments [N m] at the nuclei.
     """
-    row = attach_rows([functional], tessellation, owners(tessellation, functional.points))
+    row = attach_rows([functional], tessellation, owners_of([functional], tessellation))
     return np.asarray(row.toarray().reshape(-1, 6), dtype=np.float64)
 
 

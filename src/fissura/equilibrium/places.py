@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.equilibrium.attach import Bodies, attach_rows, owners
+from fissura.equilibrium.attach import attach_rows, owners_of
 from fissura.errors import InputError
 from fissura.specimen import Conditions
+from fissura.tessellation import Bodies
 
 __all__ = ["check_places"]
 
@@ -45,7 +46,7 @@ def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: b
     if gauge is not conditions.control and start:
         gauge = None
     functionals = (conditions.load, *conditions.supports, *([] if gauge is None else [gauge]))
-    body = owners(bodies, np.concatenate([f.points for f in functionals]))
+    body = owners_of(functionals, bodies)
     rows = attach_rows(functionals, bodies, body)
     used = np.unique(rows.indices)
     dense = rows[:, used].toarray() / np.where(used % 6 < 3, 1.0, arm)

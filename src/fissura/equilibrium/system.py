@@ -22,7 +22,7 @@ from fissura.contact import (
 )
 from fissura.equilibrium.active import changes, put_rows
 from fissura.equilibrium.assembly import Pattern, add_spin, assemble, assemble_secant, pattern
-from fissura.equilibrium.attach import attach, attach_rows, owners
+from fissura.equilibrium.attach import attach, attach_rows, owners_of
 from fissura.equilibrium.krylov import dot
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
@@ -169,7 +169,7 @@ class System:
         # Places and owners of external forces, for the stress in bodies.
         self._acting = (conditions.load, *conditions.supports)
         self._acting_points = np.concatenate([functional.points for functional in self._acting])
-        self._acting_bodies = owners(tessellation, self._acting_points)
+        self._acting_bodies = owners_of(self._acting, tessellation)
         rows = attach_rows(conditions.supports, tessellation, self._acting_bodies[len(conditions.load.points) :])
         self.support_dofs: IntArray = np.unique(rows.indices).astype(np.int64)
         self.support_rows: FloatArray = rows[:, self.support_dofs].toarray()
@@ -378,10 +378,10 @@ class System:
     def carried(self) -> Carried:
         """Contacts of the bodies on which the load and the supports act."""
         sizes = [len(functional.points) for functional in self._acting]
-        owners_of = np.split(self._acting_bodies, np.cumsum(sizes)[:-1])
+        bodies = np.split(self._acting_bodies, np.cumsum(sizes)[:-1])
         ends = np.cumsum([1, *(held.functionals for held in self.conditions.held)])
-        supports = [np.concatenate(owners_of[a:b]) for a, b in pairwise(ends)]
-        return carried(self.tessellation, [owners_of[0], *supports])
+        supports = [np.concatenate(bodies[a:b]) for a, b in pairwise(ends)]
+        return carried(self.tessellation, [bodies[0], *supports])
 
     def largest_utilisation(self, response: Response) -> float:
         """Largest effective traction over strength of all contacts, as if none were damaged."""

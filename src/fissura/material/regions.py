@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
+from fissura.specimen import domain_from_case
 
 if TYPE_CHECKING:
     from fissura.case import BallRegion, BoxRegion, Case
@@ -72,11 +73,11 @@ class Regions:
         """Whether points lie in a region, its surface included; (n, 3) -> (n,)."""
         return np.asarray(self.distance(x) <= 0.0, dtype=np.bool_)
 
-    def overlaps(self, size: Sequence[float]) -> bool:
-        """Whether part of the box ``[0, size]`` [m] lies in a region; touching its surface does not count."""
-        high = np.asarray(size)
-        gap = np.linalg.norm(self.balls - np.clip(self.balls, 0.0, high), axis=1)
-        return bool((gap < self.radii).any() or np.all((self.lower < high) & (self.upper > 0.0), axis=1).any())
+    def overlaps(self, bounds: FloatArray) -> bool:
+        """Whether part of a box, its corners ``bounds`` (2, 3) [m], lies in a region; its surface does not count."""
+        low, high = bounds
+        gap = np.linalg.norm(self.balls - np.clip(self.balls, low, high), axis=1)
+        return bool((gap < self.radii).any() or np.all((self.lower < high) & (self.upper > low), axis=1).any())
 
 
 def elastic_from_case(case: Case) -> Regions:
@@ -87,13 +88,13 @@ def elastic_from_case(case: Case) -> Regions:
     InputError
         A region lies outside the specimen.
     """
-    parts, size = case.material.elastic, case.specimen.size
+    parts, bounds = case.material.elastic, domain_from_case(case).bounds
     for k, part in enumerate(parts):
-        if not Regions.from_parts([part]).overlaps(size):
+        if not Regions.from_parts([part]).overlaps(bounds):
             raise InputError(
                 f"{_KEY}[{k}]" if len(parts) > 1 else _KEY,
                 f"the {part.type} lies outside the specimen",
-                f"a region that overlaps the specimen, 0 to {' x '.join(f'{s:g}' for s in size)} m",
+                "a region that overlaps the specimen, " + " x ".join(f"{a:g} to {b:g} m" for a, b in bounds.T),
             )
     return Regions.from_parts(parts)
 

@@ -16,6 +16,7 @@ from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
 from fissura.results import quantities as text
+from fissura.results.front import rims, seen
 from fissura.results.lettering import may_shrink, save
 from fissura.results.path import NAMES
 from fissura.results.pictures import DPI, INK, headline, tidy
@@ -50,7 +51,7 @@ class View:
 
     bodies: list[FloatArray]
     colours: list[str]
-    edges: list[str]
+    rims: FloatArray
     cracks: list[FloatArray]
     outline: list[FloatArray]
     openings: FloatArray
@@ -58,7 +59,7 @@ class View:
 
 
 def plot_crack(result: Result, path: Path) -> None:
-    """Draw the last state looking along z: facets on the front, and opened contacts projected onto it.
+    """Draw the last state looking along z: facets that face the viewer, and opened contacts projected onto them.
 
     The widest opening lies on top. Where anything has opened, a second panel shows the cracked zone.
 
@@ -122,22 +123,19 @@ def _view(snapshot: Snapshot) -> View:
     tessellation = snapshot.tessellation
     surface, contacts = tessellation.surface, tessellation.contacts
     facet = surface.polygons.facet
-    front = surface.names.index("front") if "front" in surface.names else -1
-    on_front = np.flatnonzero(surface.surface[facet] == front)
+    on_front = seen(surface)
     # Facets parallel to the line of sight project to lines: the outline, walls of notches included.
-    edge_on = np.flatnonzero(np.abs(surface.normal[facet, 2]) < 0.1)
+    edge_on = np.flatnonzero((np.abs(surface.normal[facet, 2]) < 0.1) & ~surface.ledges[facet])
     opening = snapshot.opening * 1e6
     largest = float(opening.max(initial=0.0))
     of = contacts.polygons.facet
     shown = np.flatnonzero((opening[of] > SHOWN * largest) & (opening[of] > 0))
     shown = shown[np.argsort(opening[of[shown]], kind="stable")]
     fine = tessellation.fine[surface.body[facet]]
-    pieces = np.bincount(facet)
     return View(
         bodies=_projected(surface.polygons, on_front),
         colours=[FINE if fine[k] else COARSE for k in on_front],
-        # A facet that a notch cut into pieces has no edges between them; its neighbours draw the outer ones.
-        edges=[EDGE if pieces[facet[k]] == 1 else FINE if fine[k] else COARSE for k in on_front],
+        rims=1e3 * rims(surface.polygons, on_front, surface.body[facet[on_front]])[:, :, :2],
         cracks=_projected(contacts.polygons, shown),
         outline=[np.vstack([shape, shape[:1]]) for shape in _projected(surface.polygons, edge_on)],
         openings=opening[of[shown]],
@@ -153,8 +151,9 @@ def _projected(polygons: Polygons, chosen: NDArray[np.int64]) -> list[FloatArray
 
 def _draw(axes: Axes, view: View, window: FloatArray, scale: float) -> None:
     axes.add_collection(
-        PolyCollection(view.bodies, facecolors=view.colours, edgecolors=view.edges, linewidths=0.3 * scale, zorder=2)
+        PolyCollection(view.bodies, facecolors=view.colours, edgecolors="face", linewidths=0.3 * scale, zorder=2)
     )
+    axes.add_collection(LineCollection(list(view.rims), colors=EDGE, linewidths=0.3 * scale, zorder=2))
     colours = HEAT(view.norm(view.openings))
     axes.add_collection(
         PolyCollection(view.cracks, facecolors=colours, edgecolors=colours, linewidths=0.7 * scale, zorder=3)

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri
 
+from fissura.results.front import rims, seen
 from fissura.results.lettering import literal, may_shrink, save
 from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, legend, tidy
 
 if TYPE_CHECKING:
     from fissura.case import Field
     from fissura.material.field import Marginal, RandomField
+    from fissura.specimen import Domain
     from fissura.tessellation import Tessellation
 
 __all__ = ["draw_marginal", "draw_slice", "plot_field"]
@@ -43,7 +44,7 @@ PROBABILITIES = (1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.5, 0.9, 0.999)
 def plot_field(
     field: RandomField,
     part: Field,
-    size: tuple[float, float, float],
+    domain: Domain,
     tessellation: Tessellation,
     path: Path,
     name: str = "",
@@ -56,8 +57,8 @@ def plot_field(
         The realisation.
     part : Field
         Its table in the case, for the text.
-    size : tuple of float
-        Of the specimen [m].
+    domain : Domain
+        The specimen.
     tessellation : Tessellation
         Bodies to be coloured.
     path : Path
@@ -65,6 +66,7 @@ def plot_field(
     name : str, optional
         Headline.
     """
+    size = domain.size
     tall = size[1] > 1.2 * size[0]
     figure = Figure(layout="constrained")
     if tall:
@@ -83,16 +85,16 @@ def plot_field(
             height_ratios=heights,
         )
     norm = Normalize(1.0 - 3.0 * part.cov, 1.0 + 3.0 * part.cov)
-    draw_slice(places["slice"], field, size, (0, 1), norm)
-    draw_slice(places["across"], field, size, (2, 1) if tall else (0, 2), norm)
-    _draw_bodies(places["bodies"], tessellation, field.strength(tessellation.x), size, norm)
+    draw_slice(places["slice"], field, domain, (0, 1), norm)
+    draw_slice(places["across"], field, domain, (2, 1) if tall else (0, 2), norm)
+    _draw_bodies(places["bodies"], tessellation, field.strength(tessellation.x), domain.bounds, norm)
     bar = figure.colorbar(
         ScalarMappable(norm, COLOURS), ax=[places[k] for k in ("slice", "across", "bodies")], shrink=0.7, aspect=30
     )
     bar.set_label("relative strength H", color=INK)
     bar.ax.tick_params(colors=INK, labelsize=9)
     bar.outline.set_visible(False)
-    draw_marginal(places["paper"], field.marginal, part.marginal, _samples(field, size))
+    draw_marginal(places["paper"], field.marginal, part.marginal, _samples(field, domain))
     titles = {"slice": "middle of the thickness", "across": f"middle of the {'length' if tall else 'depth'}"}
     for key, title in (titles | {"bodies": "bodies on the front"}).items():
         places[key].set_title(title, loc="left", fontsize=9, color=INK)
@@ -103,33 +105,38 @@ def plot_field(
     save(figure, path, DPI)
 
 
-def draw_slice(axes: Axes, field: RandomField, size: Sequence[float], plane: tuple[int, int], norm: Normalize) -> None:
-    """Draw the relative strength on a plane through the middle of a box, spanned by two axes."""
-    width, height = size[plane[0]], size[plane[1]]
+def draw_slice(axes: Axes, field: RandomField, domain: Domain, plane: tuple[int, int], norm: Normalize) -> None:
+    """Draw the relative strength on a plane through the middle of a specimen, spanned by two axes."""
+    low, high = domain.bounds
+    (width, height), (left, bottom) = (high - low)[list(plane)], low[list(plane)]
     pixel = max(width, height) / PIXELS
     across, up = ((np.arange(max(round(s / pixel), 1)) + 0.5) for s in (width, height))
-    x = np.tile(0.5 * np.asarray(size, dtype=float), (len(up), len(across), 1))
-    x[:, :, plane[0]] = across * width / len(across)
-    x[:, :, plane[1]] = (up * height / len(up))[:, None]
-    values = field.strength(x.reshape(-1, 3)).reshape(x.shape[:2])
-    extent = (0.0, 1e3 * width, 0.0, 1e3 * height)
+    x = np.tile(0.5 * (low + high), (len(up), len(across), 1))
+    x[:, :, plane[0]] = left + across * width / len(across)
+    x[:, :, plane[1]] = (bottom + up * height / len(up))[:, None]
+    points = x.reshape(-1, 3)
+    values = np.where(domain.contains(points), field.strength(points), np.nan).reshape(x.shape[:2])
+    extent = (1e3 * left, 1e3 * (left + width), 1e3 * bottom, 1e3 * (bottom + height))
     axes.imshow(values, cmap=COLOURS, norm=norm, origin="lower", extent=extent, aspect="equal", interpolation="nearest")
     _frame(axes, plane)
 
 
 def _draw_bodies(
-    axes: Axes, tessellation: Tessellation, factor: FloatArray, size: Sequence[float], norm: Normalize
+    axes: Axes, tessellation: Tessellation, factor: FloatArray, bounds: FloatArray, norm: Normalize
 ) -> None:
     surface = tessellation.surface
     polygons, facet = surface.polygons, surface.polygons.facet
-    front = surface.names.index("front") if "front" in surface.names else -1
     flat = 1e3 * polygons.points[:, :2]
-    chosen = np.flatnonzero(surface.surface[facet] == front)
+    chosen = seen(surface)
     shapes = [flat[polygons.offsets[k] : polygons.offsets[k + 1]] for k in chosen]
-    colours = COLOURS(norm(factor[surface.body[facet[chosen]]]))
-    axes.add_collection(PolyCollection(shapes, facecolors=colours, edgecolors="#ffffffb0", linewidths=0.25))
-    axes.set_xlim(0.0, 1e3 * size[0])
-    axes.set_ylim(0.0, 1e3 * size[1])
+    body = surface.body[facet[chosen]]
+    axes.add_collection(
+        PolyCollection(shapes, facecolors=COLOURS(norm(factor[body])), edgecolors="face", linewidths=0.4)
+    )
+    lines = 1e3 * rims(polygons, chosen, body)[:, :, :2]
+    axes.add_collection(LineCollection(list(lines), colors="#ffffffb0", linewidths=0.25))
+    axes.set_xlim(*(1e3 * bounds[:, 0]))
+    axes.set_ylim(*(1e3 * bounds[:, 1]))
     axes.set_aspect("equal")
     _frame(axes, (0, 1))
 
@@ -141,11 +148,13 @@ def _frame(axes: Axes, plane: tuple[int, int]) -> None:
     axes.set_ylabel(f"{'xyz'[plane[1]]} [mm]")
 
 
-def _samples(field: RandomField, size: Sequence[float]) -> FloatArray:
-    """Values of a realisation all over a box, sorted."""
+def _samples(field: RandomField, domain: Domain) -> FloatArray:
+    """Values of a realisation all over a specimen, sorted."""
+    low, size = domain.bounds[0], domain.size
     count = [12 + round(28 * s / max(size)) for s in size]
     axes = [(np.arange(n) + 0.5) * s / n for n, s in zip(count, size, strict=True)]
-    return np.sort(field.strength(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)))
+    points = low + np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return np.sort(field.strength(points[domain.contains(points)]))
 
 
 def draw_marginal(axes: Axes, marginal: Marginal, name: str, samples: FloatArray | None = None) -> None:

@@ -66,7 +66,7 @@ class Recorder:
         self._last: Step | None = None
         self._path = folder
         self._curve: CurveWriter | None = None
-        self._history = HistoryWriter(0.5 * simulation.case.specimen.size[2])
+        self._history = HistoryWriter(float(simulation.domain.bounds[:, 2].mean()))
         if folder is not None:
             if (start := getattr(simulation, "tessellation", None)) is not None:
                 self._history.start(start)
@@ -174,8 +174,10 @@ class Recorder:
         if case.field is not None and field is not None:
             from fissura.results.field_picture import plot_field
 
-            part, size, structure = case.field, case.specimen.size, result.last.tessellation
-            attempted("field.png", lambda: plot_field(field, part, size, structure, self._own("field.png"), case.name))
+            part, domain, structure = case.field, self._simulation.domain, result.last.tessellation
+            attempted(
+                "field.png", lambda: plot_field(field, part, domain, structure, self._own("field.png"), case.name)
+            )
         attempted("curve.png", lambda: plot_curve(result, self._own("curve.png")))
 
     def _due(self, share: float) -> bool:

@@ -19,6 +19,9 @@ FloatArray = NDArray[np.float64]
 FloatArray32 = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 
+OUTSIDE, ON_LEDGE = -1, -2
+"""What stands for a body where there is none; see `Section`."""
+
 _POINT = 1e-9
 """Lines shorter than this part of the specimen are points."""
 
@@ -36,13 +39,19 @@ class Section:
     lines : (s, 2, 2) float32 array
         Ends (x, y) of the lines in which it cuts facets [m]: contacts first, then facets on the surface.
     sides : (s, 2) int32 array
-        The bodies on both sides of each, counted in this section; the second is -1 on the surface.
+        The bodies on both sides of each, counted in this section; the second is -1 on the surface, and -2 on ledges at
+        the tip of a notch.
     """
 
     nucleus: IntArray
     fine: NDArray[np.bool_]
     lines: FloatArray32
     sides: NDArray[np.int32]
+
+    @property
+    def skin(self) -> IntArray:
+        """Lines on the surface of the specimen."""
+        return np.flatnonzero(self.sides[:, 1] == OUTSIDE)
 
     @property
     def contacts(self) -> int:
@@ -88,16 +97,18 @@ def cut(tessellation: Tessellation, z: float) -> tuple[Section, Rows]:
     size = float(np.ptp(surface.polygons.points, axis=0).max())
     inner, contact = _lines(contacts.polygons, z, _POINT * size)
     outer, facet = _lines(surface.polygons, z, _POINT * size)
-    skin = surface.body[facet]
-    sides = np.concatenate([contacts.bodies[contact], np.stack([skin, np.full(len(skin), -1)], axis=1)])
+    sides = np.full((len(contact) + len(facet), 2), OUTSIDE)
+    sides[: len(contact)], sides[len(contact) :, 0] = contacts.bodies[contact], surface.body[facet]
     bodies = np.unique(sides[sides >= 0])
-    number = np.full(len(tessellation) + 1, -1, np.int32)  # the last one is for -1
+    number = np.empty(len(tessellation), np.int64)
     number[bodies] = np.arange(len(bodies))
+    sides = np.where(sides >= 0, number[sides], sides)
+    sides[len(contact) :, 1][surface.ledges[facet]] = ON_LEDGE
     section = Section(
         nucleus=tessellation.nucleus[bodies],
         fine=tessellation.fine[bodies],
         lines=np.concatenate([inner, outer]).astype(np.float32),
-        sides=number[sides],
+        sides=sides.astype(np.int32),
     )
     return section, Rows(bodies, contact)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fissura.results.pictures import INK
 from fissura.results.section import Outlines, Section, outlines
 from fissura.results.symbols import Symbols, symbols
+from fissura.specimen import domain_from_case
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,12 +78,12 @@ def look_of(case: Case, frames: Sequence[Frame], *, stress: bool = False, magnif
     magnify : float, optional
         Factor on displacements; by default a round number such that the largest is a few per cent of the specimen.
     """
-    size = np.asarray(case.specimen.size[:2])
+    bounds = domain_from_case(case).bounds[:, :2]
     moved = [_moved(frame.section.lines[:, 0], frame.motion[frame.section.sides[:, 0]]) for frame in frames]
     if magnify is None:
         largest = max(float(np.linalg.norm(by, axis=1).max(initial=0.0)) for by in moved)
-        magnify = _round_below(BENT * float(size.max()) / largest) if largest > 0.0 else 1.0
-    corners = [np.zeros((1, 2)), size[None, :]]
+        magnify = _round_below(BENT * float(np.ptp(bounds, axis=0).max()) / largest) if largest > 0.0 else 1.0
+    corners = [bounds]
     corners += [frame.section.lines[:, 0] + magnify * by for frame, by in zip(frames, moved, strict=True)]
     corners += [shape for symbol in symbols(case) for shape in (*symbol.filled, *symbol.lines)]
     points = np.concatenate(corners)
@@ -159,8 +160,8 @@ class Stage:
         self._bodies.set_verts(np.split(corners, shapes.offsets[1:-1]))
         self._bodies.set_facecolor(self._colours(frame))
 
-        inner = section.contacts
-        skin, body = section.lines[inner:].astype(np.float64), section.sides[inner:, 0]
+        outer = section.skin
+        skin, body = section.lines[outer].astype(np.float64), section.sides[outer, 0]
         by = np.stack([_moved(skin[:, end], frame.motion[body]) for end in (0, 1)], axis=1)
         self._skin.set_segments(list(1e3 * (skin + factor * by)))
         self._show_cracks(frame)

@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
-from fissura.specimen import specimen_from_case
-from fissura.specimen.patch import Patch, patch_from_part
+from fissura.specimen import Place, domain_from_case, load_direction, place_from_part
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,31 +56,41 @@ def symbols(case: Case) -> list[Symbol]:
 
     A pin is a triangle, a roller a triangle on a line, a clamp a hatched line, the load arrows, a gauge two dots.
     """
-    box = specimen_from_case(case)
+    domain = domain_from_case(case)
     spacing = case.discretization.l_f / 5.0
-    length, depth = box.size[:2]
+    length, depth = domain.size[:2]
     size = SIZE * min(max(length, depth) / 2.5, 1.5 * min(length, depth))
     found = []
     for k, part in enumerate(case.supports):
-        patch = patch_from_part(part, box, spacing, f"supports[{k}]")
-        if patch.axis < 2:
-            found += _support(part.type, patch, size, max(length, depth))
-    patch = patch_from_part(case.load, box, spacing, "load")
-    direction = case.load.direction or -patch.outward * np.eye(3)[patch.axis]
-    found += _load(patch, np.asarray(direction, float)[:2], size, max(length, depth))
+        place = place_from_part(part, domain, spacing, f"supports[{k}]")
+        if _outward(place) is not None:
+            found += _support(part.type, place, size, max(length, depth))
+    place = place_from_part(case.load, domain, spacing, "load")
+    found += _load(place, load_direction(case.load, place)[:2], size, max(length, depth))
     if case.gauge is not None:
         for name in ("a", "b"):
-            patch = patch_from_part(getattr(case.gauge, name), box, spacing, f"gauge.{name}")
-            found.append(_gauge(patch, size))
+            place = place_from_part(getattr(case.gauge, name), domain, spacing, f"gauge.{name}")
+            found.append(_gauge(place, size))
     return found
 
 
-def _frame(patch: Patch) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """Middle of a patch, unit vectors along the face and out of it, and half its length in the view."""
-    outward = np.eye(2)[patch.axis] * patch.outward
-    along = np.abs(outward[::-1])
-    reach = patch.points[:, :2] @ along
-    middle = patch.centroid[:2] + along * (0.5 * (reach.min() + reach.max()) - patch.centroid[:2] @ along)
+def _outward(place: Place) -> FloatArray | None:
+    """Unit vector (2,) out of the surface in the view; None where that is along the line of sight, or all around."""
+    outward = place.outward
+    if outward is None or np.linalg.norm(outward[:2]) < 0.5:
+        return None
+    return np.asarray(outward[:2] / np.linalg.norm(outward[:2]))
+
+
+def _frame(place: Place) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Middle of a place, unit vectors along the surface and out of it, and half its length in the view."""
+    outward = _outward(place)
+    if outward is None:
+        return place.centroid[:2], np.array([1.0, 0.0]), np.zeros(2), 0.0
+    along = np.array([-outward[1], outward[0]])
+    along = along if along[np.argmax(np.abs(along))] > 0.0 else -along
+    reach = place.points[:, :2] @ along
+    middle = place.centroid[:2] + along * (0.5 * (reach.min() + reach.max()) - place.centroid[:2] @ along)
     return middle, along, outward, 0.5 * float(np.ptp(reach))
 
 
@@ -92,8 +101,8 @@ def _shape(
     return np.asarray(middle + a * along + b * outward)
 
 
-def _support(kind: str, patch: Patch, size: float, extent: float) -> list[Symbol]:
-    middle, along, outward, half = _frame(patch)
+def _support(kind: str, place: Place, size: float, extent: float) -> list[Symbol]:
+    middle, along, outward, half = _frame(place)
     if kind == "clamp" or 2.0 * half > WHOLE * extent:
         half = max(half, 0.6 * size)
         gap = 0.0 if kind == "clamp" else 0.25 * size
@@ -116,8 +125,8 @@ def _support(kind: str, patch: Patch, size: float, extent: float) -> list[Symbol
     return [Symbol(middle, filled, lines, SUPPORT)]
 
 
-def _load(patch: Patch, direction: FloatArray, size: float, extent: float) -> list[Symbol]:
-    middle, along, outward, half = _frame(patch) if patch.axis < 2 else _facing(patch)
+def _load(place: Place, direction: FloatArray, size: float, extent: float) -> list[Symbol]:
+    middle, along, outward, half = _frame(place)
     norm = float(np.linalg.norm(direction))
     if norm < 1e-9:  # along the line of sight
         return []
@@ -128,21 +137,17 @@ def _load(patch: Patch, direction: FloatArray, size: float, extent: float) -> li
     filled, lines = [], []
     if plate:
         filled.append(_shape(middle, along, outward, [(-half, 0), (half, 0), (half, plate), (-half, plate)]))
-    places = np.linspace(-0.85, 0.85, 5) * half if 2.0 * half > WHOLE * extent else np.zeros(1)
-    for place in places:
-        start = middle + place * along + outward * plate
+    shifts = np.linspace(-0.85, 0.85, 5) * half if 2.0 * half > WHOLE * extent else np.zeros(1)
+    for shift in shifts:
+        start = middle + shift * along + outward * plate
         tip = start if pushes else start + 2.4 * size * ahead
         filled.append(_shape(tip, side, -ahead, [(0, 0), (0.42 * size, 0.95 * size), (-0.42 * size, 0.95 * size)]))
         lines.append(np.array([tip - 0.9 * size * ahead, tip - 2.4 * size * ahead]))
     return [Symbol(middle, filled, lines, LOAD)]
 
 
-def _facing(patch: Patch) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    return patch.centroid[:2], np.array([1.0, 0.0]), np.zeros(2), 0.0
-
-
-def _gauge(patch: Patch, size: float) -> Symbol:
-    middle = _frame(patch)[0] if patch.axis < 2 else patch.centroid[:2]
+def _gauge(place: Place, size: float) -> Symbol:
+    middle = _frame(place)[0]
     angle = np.linspace(0.0, 2.0 * np.pi, 17)
     return Symbol(middle, [middle + 0.2 * size * np.stack([np.cos(angle), np.sin(angle)], axis=1)], [], LOAD)
 

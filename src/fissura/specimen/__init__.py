@@ -1,47 +1,33 @@
-"""Specimens: shapes with named surfaces, notches, and the places of supports, loads and gauges."""
+"""Specimens: convex cells with named surfaces, notches, and the places of supports, loads and gauges."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from fissura.errors import InputError
-from fissura.specimen.box import Box
-from fissura.specimen.conditions import Conditions, Functional, conditions_from_case
+from fissura.specimen.build import SHAPES, domain_from_case
+from fissura.specimen.complex import Complex
+from fissura.specimen.conditions import Conditions, Functional, conditions_from_case, load_direction
+from fissura.specimen.domain import Domain, SurfacePart
+from fissura.specimen.edges import edge_notices
 from fissura.specimen.gauge import backward_gauge, gauge_notices
-from fissura.specimen.notch import Notch
-from fissura.specimen.thin import edge_notices, thin_notices, thin_parts
-
-if TYPE_CHECKING:
-    from fissura.case import Case
+from fissura.specimen.notches import Notch
+from fissura.specimen.place import Place, place_from_part
+from fissura.specimen.solid import Solid
+from fissura.specimen.thin import thin_notices, thin_parts
 
 __all__ = [
     "SHAPES",
-    "Box",
+    "Complex",
     "Conditions",
+    "Domain",
     "Functional",
     "Notch",
+    "Place",
+    "Solid",
+    "SurfacePart",
     "backward_gauge",
     "conditions_from_case",
+    "domain_from_case",
     "edge_notices",
     "gauge_notices",
-    "specimen_from_case",
+    "load_direction",
+    "place_from_part",
     "thin_notices",
     "thin_parts",
 ]
-
-#: Shapes by the name that a case file gives; each is built by its ``from_case``.
-SHAPES: dict[str, type[Box]] = {"box": Box}
-
-
-def specimen_from_case(case: Case) -> Box:
-    """Build the specimen that the case describes.
-
-    Raises
-    ------
-    InputError
-        Unknown shape, or a notch that does not fit into the specimen.
-    """
-    shape = SHAPES.get(case.specimen.shape)
-    if shape is None:
-        raise InputError("specimen.shape", f"{case.specimen.shape!r} is not known", ", ".join(sorted(SHAPES)))
-    return shape.from_case(case)

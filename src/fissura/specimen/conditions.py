@@ -6,24 +6,26 @@ attached to whichever bodies own its points in a discretization.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.specimen.patch import Patch, patch_from_part
+from fissura.specimen.place import Place, place_from_part
+from fissura.specimen.surface import ON_SURFACE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fissura.case import Case, Gauge
-    from fissura.specimen.box import Box
+    from fissura.case import Case, Gauge, Load
+    from fissura.specimen.domain import Domain
 
-__all__ = ["SUPPORTS", "Conditions", "Functional", "Held", "conditions_from_case"]
+__all__ = ["SUPPORTS", "Conditions", "Functional", "Held", "conditions_from_case", "load_direction"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -38,10 +40,13 @@ class Functional:
         Points on the surface [m].
     coefficients : (k, 3) array
         Weights of the displacement components.
+    cells : (k,) array
+        The convex cell of the specimen behind each point.
     """
 
     points: FloatArray
     coefficients: FloatArray
+    cells: IntArray
 
     @property
     def middle(self) -> FloatArray:
@@ -52,6 +57,7 @@ class Functional:
         return Functional(
             np.concatenate([self.points, other.points]),
             np.concatenate([self.coefficients, -other.coefficients]),
+            np.concatenate([self.cells, other.cells]),
         )
 
 
@@ -92,6 +98,8 @@ class Conditions:
         The supports, to whom `supports` belong in this order.
     pulls : bool
         Whether the load points out of the specimen.
+    direction : (3,) array
+        Unit vector along the load.
     """
 
     supports: tuple[Functional, ...]
@@ -100,47 +108,62 @@ class Conditions:
     gauge: Functional | None = None
     held: tuple[Held, ...] = ()
     pulls: bool = False
+    direction: FloatArray = field(default_factory=lambda: np.zeros(3))
 
 
-def _mean(patch: Patch, direction: FloatArray) -> Functional:
-    """Mean displacement of a patch along a direction."""
-    return Functional(patch.points, patch.weights[:, None] * direction)
+def _mean(place: Place, direction: FloatArray) -> Functional:
+    """Mean displacement of a place along a direction."""
+    return Functional(place.points, place.weights[:, None] * direction, place.cells)
 
 
-def _rotation(patch: Patch, unit: FloatArray) -> Functional | None:
-    """Mean rotation of a patch about a line through its centroid, times its radius of gyration [m].
+def _rotation(place: Place, unit: FloatArray) -> Functional | None:
+    """Mean rotation of a place about a line through its centroid, times its radius of gyration [m].
 
-    None when the patch has no extent beside that line.
+    None when the place has no extent beside that line.
     """
-    arm = patch.points - patch.centroid
+    arm = place.points - place.centroid
     lever = np.cross(unit, arm)
-    inertia = float(patch.weights @ np.einsum("ka,ka->k", lever, lever))
+    inertia = float(place.weights @ np.einsum("ka,ka->k", lever, lever))
     if inertia <= 1e-18:
         return None
-    return Functional(patch.points, patch.weights[:, None] * lever / np.sqrt(inertia))
+    return Functional(place.points, place.weights[:, None] * lever / np.sqrt(inertia), place.cells)
 
 
-def _pin(patch: Patch) -> list[Functional | None]:
+def _normal(place: Place, key: str) -> FloatArray:
+    """Unit vector normal to a place, its largest component positive: supports hold both ways."""
+    outward = place.outward
+    if outward is None:
+        problem = "the place faces all ways: its surface has no direction that could be held"
+        raise InputError(key, problem, "a part of the surface, or a clamp")
+    return outward if outward[np.argmax(np.abs(outward))] > 0.0 else -outward + 0.0
+
+
+def _pin(place: Place, key: str) -> list[Functional | None]:
     """Hinge: no translation, no rotation but the one about the line across which the place is given.
 
     The shape of the place has no say in it: platens of any width, on specimens of any thickness, turn alike.
     """
-    along, normal, _ = patch.frame
-    return [_mean(patch, unit) for unit in np.eye(3)] + [_rotation(patch, unit) for unit in (along, normal)]
+    normal, hinge = _normal(place, key), place.hinge
+    if hinge is None:
+        problem = "the place has no line about which it could turn: it faces where it is given along"
+        raise InputError(key, problem, "along another axis, or a clamp")
+    along = np.cross(hinge, normal)
+    along = along if along @ place.along > 0.0 else -along
+    return [_mean(place, unit) for unit in np.eye(3)] + [_rotation(place, unit) for unit in (along, normal)]
 
 
-def _roller(patch: Patch) -> list[Functional | None]:
-    """No translation normal to the face."""
-    return [_mean(patch, patch.frame[1])]
+def _roller(place: Place, key: str) -> list[Functional | None]:
+    """No translation along the mean normal."""
+    return [_mean(place, _normal(place, key))]
 
 
-def _clamp(patch: Patch) -> list[Functional | None]:
+def _clamp(place: Place, key: str) -> list[Functional | None]:
     """Neither translation nor rotation."""
-    return [_mean(patch, unit) for unit in np.eye(3)] + [_rotation(patch, unit) for unit in np.eye(3)]
+    return [_mean(place, unit) for unit in np.eye(3)] + [_rotation(place, unit) for unit in np.eye(3)]
 
 
 #: Kinds of support by name.
-SUPPORTS: dict[str, Callable[[Patch], list[Functional | None]]] = {
+SUPPORTS: dict[str, Callable[[Place, str], list[Functional | None]]] = {
     "pin": _pin,
     "roller": _roller,
     "clamp": _clamp,
@@ -168,15 +191,15 @@ def _check_stability(supports: list[Functional], centre: FloatArray, size: float
         )
 
 
-def conditions_from_case(case: Case, box: Box) -> Conditions:
+def conditions_from_case(case: Case, domain: Domain) -> Conditions:
     """Place supports, load and gauge of a case on its specimen.
 
-    Patches are sampled at a fifth of the fine spacing, so that even fine bodies take their proper share.
+    Places are sampled at a fifth of the fine spacing, so that even fine bodies take their proper share.
 
     Raises
     ------
     InputError
-        A patch off the surface, an unknown kind of support, supports that leave the specimen movable.
+        A place off the surface, an unknown kind of support, supports that leave the specimen movable.
     """
     spacing = case.discretization.l_f / 5.0
     supports: list[Functional] = []
@@ -185,38 +208,52 @@ def conditions_from_case(case: Case, box: Box) -> Conditions:
         kind = SUPPORTS.get(part.type)
         if kind is None:
             raise InputError(f"supports[{k}].type", f"{part.type!r} is not known", ", ".join(SUPPORTS))
-        patch = patch_from_part(part, box, spacing, f"supports[{k}]")
-        rows = [row for row in kind(patch) if row is not None]
+        place = place_from_part(part, domain, spacing, f"supports[{k}]")
+        rows = [row for row in kind(place, f"supports[{k}].{part.naming}") if row is not None]
         supports += rows
-        held.append(Held(f"supports[{k}]", patch.centroid, len(rows)))
-    _check_stability(supports, 0.5 * np.asarray(box.size), max(box.size))
+        held.append(Held(f"supports[{k}]", place.centroid, len(rows)))
+    _check_stability(supports, domain.bounds.mean(axis=0), float(domain.size.max()))
 
-    patch = patch_from_part(case.load, box, spacing, "load")
-    if case.load.direction is None:
-        direction = -patch.outward * patch.frame[1]
-    else:
-        direction = np.asarray(case.load.direction, float)
-        direction = direction / np.linalg.norm(direction)
-    load = _mean(patch, direction)
-    pulls = patch.outward * float(direction @ patch.frame[1]) > 0.0
+    place = place_from_part(case.load, domain, spacing, "load")
+    outward, direction = place.outward, load_direction(case.load, place)
+    load = _mean(place, direction)
+    pulls = outward is not None and float(direction @ outward) > 0.0
 
-    gauge = None if case.gauge is None else _gauge(case.gauge, box, spacing)
+    gauge = None if case.gauge is None else _gauge(case.gauge, domain, spacing)
     if case.quantity == "displacement":
-        return Conditions(tuple(supports), load, load, gauge, tuple(held), pulls)
+        return Conditions(tuple(supports), load, load, gauge, tuple(held), pulls, direction)
     if gauge is None:
         raise InputError("gauge", "is missing, but control.type is 'gauge'", "a table [gauge] with a and b")
-    return Conditions(tuple(supports), load, gauge, gauge, tuple(held), pulls)
+    return Conditions(tuple(supports), load, gauge, gauge, tuple(held), pulls, direction)
 
 
-def _gauge(part: Gauge, box: Box, spacing: float) -> Functional:
+def load_direction(part: Load, place: Place) -> FloatArray:
+    """Unit vector (3,) along the load: as the case says, or into the specimen.
+
+    Raises
+    ------
+    InputError
+        The case does not say, and the place faces all ways.
+    """
+    if part.direction is not None:
+        given: FloatArray = np.asarray(part.direction, float)
+        return np.asarray(given / np.linalg.norm(given))
+    if place.outward is not None:
+        return -place.outward
+    problem = "missing, and the place of the load faces all ways"
+    raise InputError("load.direction", problem, "three numbers, the direction in which it pushes")
+
+
+def _gauge(part: Gauge, domain: Domain, spacing: float) -> Functional:
     """Mean displacement of the place b minus that of a, along the gauge's direction."""
-    a = patch_from_part(part.a, box, spacing, "gauge.a")
-    b = patch_from_part(part.b, box, spacing, "gauge.b")
-    if a.points.shape == b.points.shape and np.allclose(a.points, b.points, rtol=0.0, atol=1e-9 * max(box.size)):
+    a = place_from_part(part.a, domain, spacing, "gauge.a")
+    b = place_from_part(part.b, domain, spacing, "gauge.b")
+    near = 1e-3 * ON_SURFACE * domain.complex.extent
+    if a.points.shape == b.points.shape and np.allclose(a.points, b.points, rtol=0.0, atol=near):
         raise InputError("gauge.b", "is the same place as gauge.a", "another place")
     if part.direction is None:
         along = b.centroid - a.centroid
-        if np.linalg.norm(along) <= 1e-9 * max(box.size):
+        if np.linalg.norm(along) <= near:
             raise InputError("gauge.b", "lies at the same place as gauge.a", "another place, or a gauge.direction")
     else:
         along = np.asarray(part.direction, float)

@@ -7,43 +7,51 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fissura.errors import InputError, Notice
-from fissura.specimen.notch import AXES
 
 if TYPE_CHECKING:
-    from fissura.case import Case
     from fissura.specimen.conditions import Conditions
+    from fissura.specimen.domain import Domain
+    from fissura.specimen.notches import Notch
 
 __all__ = ["backward_gauge", "gauge_notices"]
 
 
-def gauge_notices(case: Case, conditions: Conditions) -> tuple[Notice, ...]:
+def gauge_notices(domain: Domain, conditions: Conditions) -> tuple[Notice, ...]:
     """Whether a gauge has both of its ends on one side of the only notch.
 
     Gauges that measure along the plane of the notch, such as a deflection, are left alone.
 
     Parameters
     ----------
-    case : Case
+    domain : Domain
         Where the notch is.
     conditions : Conditions
         Where the gauge is.
     """
     gauge = conditions.gauge
-    if gauge is None or len(case.notch) != 1:
+    if gauge is None or len(domain.notches) != 1:
         return ()
-    (notch,) = case.notch
-    axis = AXES[notch.normal]
-    beyond = gauge.points[:, axis] - notch.position
-    if not (np.all(beyond > 0.0) or np.all(beyond < 0.0)) or not np.any(gauge.coefficients[:, axis]):
+    (notch,) = domain.notches
+    beyond = notch.across(gauge.points)
+    opening = np.abs(gauge.coefficients @ notch.normal)
+    across = bool((opening > 1e-9 * np.linalg.norm(gauge.coefficients, axis=1).max()).any())
+    if not (np.all(beyond > 0.0) or np.all(beyond < 0.0)) or not across:
         return ()
     return (
         Notice(
             "gauge",
-            f"both ends lie on one side of the notch at {notch.normal} = {1e3 * notch.position:.6g} mm, so it does not"
-            " measure how the notch opens",
+            f"both ends lie on one side of the notch at {_place(notch)}, so it does not measure how the notch opens",
             "place gauge.a and gauge.b on different sides of the notch",
         ),
     )
+
+
+def _place(notch: Notch) -> str:
+    """Where the mid-plane of a notch is, in words."""
+    axis = int(np.argmax(np.abs(notch.normal)))
+    if abs(notch.normal[axis]) > 1.0 - 1e-9:
+        return f"{'xyz'[axis]} = {1e3 * notch.point[axis]:.6g} mm"
+    return f"({', '.join(f'{1e3 * v:.6g}' for v in notch.front.mean(axis=0))}) mm"
 
 
 def backward_gauge(conditions: Conditions, stiffness: float) -> InputError:

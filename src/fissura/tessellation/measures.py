@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
+from fissura.specimen.complex import Complex
+from fissura.specimen.polyhedron import following
 from fissura.tessellation.polygon import areas_and_centroids
 from fissura.tessellation.ragged import Ragged
 
-__all__ = ["facet_sums", "lines", "polygon_measures", "volumes"]
+if TYPE_CHECKING:
+    from fissura.tessellation.clipped import Facets
+
+__all__ = ["Joined", "joined", "lines", "polygon_measures", "volume_of", "volumes"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -22,74 +29,69 @@ def polygon_measures(polygons: Ragged) -> tuple[FloatArray, FloatArray]:
 
 
 @njit(cache=True)
-def _facet_sums(owner, size, centroid, gone, p_owner, p_size, p_centroid, count, smallest):  # type: ignore[no-untyped-def]
-    """Polygons that are left, by owner (pieces are counted on), and sums over them."""
-    chosen = np.empty(len(owner) + len(p_owner), np.int64)
-    area = np.zeros(count)
-    centre = np.zeros((count, 3))
-    n, k, m = 0, 0, 0
-    while k < len(owner) or m < len(p_owner):
-        if m == len(p_owner) or (k < len(owner) and owner[k] <= p_owner[m]):
-            if not gone[k] and size[k] > smallest:
-                chosen[n] = k
-                n += 1
-                area[owner[k]] += size[k]
-                for a in range(3):
-                    centre[owner[k], a] += size[k] * centroid[k, a]
-            k += 1
-        else:
-            if p_size[m] > smallest:
-                chosen[n] = len(owner) + m
-                n += 1
-                area[p_owner[m]] += p_size[m]
-                for a in range(3):
-                    centre[p_owner[m], a] += p_size[m] * p_centroid[m, a]
+def _joined(body, other, plane, size, centroid, smallest):  # type: ignore[no-untyped-def]
+    """Polygons that are large enough, the facet of each, the first polygon of each facet, and sums over facets."""
+    chosen, facet = np.empty(len(body), np.int64), np.empty(len(body), np.int64)
+    first, area, centre = np.empty(len(body), np.int64), np.zeros(len(body)), np.zeros((len(body), 3))
+    n, m = 0, -1
+    for q in range(len(body)):
+        if not size[q] > smallest:
+            continue
+        if m < 0 or body[q] != body[first[m]] or other[q] != other[first[m]] or plane[q] != plane[first[m]]:
             m += 1
-    for f in range(count):
-        if area[f] > 0.0:
-            for a in range(3):
-                centre[f, a] /= area[f]
-    return chosen[:n], area, centre
+            first[m] = q
+        chosen[n], facet[n] = q, m
+        n += 1
+        area[m] += size[q]
+        for a in range(3):
+            centre[m, a] += size[q] * centroid[q, a]
+    m += 1
+    for k in range(m):
+        for a in range(3):
+            centre[k, a] /= area[k]
+    return chosen[:n], facet[:n], first[:m], area[:m], centre[:m]
 
 
-def facet_sums(
-    polygons: Ragged,
-    size: FloatArray,
-    centroid: FloatArray,
-    gone: NDArray[np.bool_],
-    pieces: Ragged,
-    count: int,
-    smallest: float,
-) -> tuple[Ragged, FloatArray, FloatArray]:
-    """Facets of which notches left only pieces; those too small are dropped.
+class Joined(NamedTuple):
+    """Facets, each of one or several polygons.
+
+    Attributes
+    ----------
+    polygons : Ragged
+        The polygons that are large enough.
+    facet : (q,) array
+        The facet of each, ascending.
+    first : (m,) array
+        The number, among all polygons given, of the first one of each facet.
+    area, centroid : (m,), (m, 3) array
+        Areas [m^2] and centroids [m] of facets.
+    """
+
+    polygons: Ragged
+    facet: IntArray
+    first: IntArray
+    area: FloatArray
+    centroid: FloatArray
+
+
+def joined(facets: Facets, smallest: float) -> Joined:
+    """Facets of polygons with the same body, neighbour and plane.
 
     Parameters
     ----------
-    polygons : Ragged
-        All polygons before notches were cut, sorted by owner.
-    size, centroid : (q,), (q, 3) array
-        Their areas [m^2] and centroids [m].
-    gone : (q,) bool array
-        Which of them `pieces` replace.
-    pieces : Ragged
-        What is left of these, sorted by owner.
-    count : int
-        Number of owners.
+    facets : Facets
+        The polygons, sorted.
     smallest : float
         Area up to which a polygon exists by round-off only [m^2].
-
-    Returns
-    -------
-    polygons : Ragged
-        The polygons that are left.
-    area, centroid : (count,), (count, 3) array
-        Areas and centroids of owners, over their polygons.
     """
-    if not len(pieces) and not gone.any() and (size > smallest).all():
-        return polygons, size, centroid
-    of_pieces = (pieces.owner, *polygon_measures(pieces))
-    chosen, area, centre = _facet_sums(polygons.owner, size, centroid, gone, *of_pieces, count, smallest)
-    return polygons.picked(pieces, chosen), area, centre
+    polygons, size, centroid = facets.polygons, facets.area, facets.centroid
+    keys = (facets.body, facets.other, facets.plane)
+    chosen, facet, first, area, centre = _joined(*keys, size, centroid, smallest)
+    if len(first) == len(polygons):  # as they were
+        return Joined(polygons, facet, first, size, centroid)
+    if len(chosen) < len(polygons):
+        polygons = polygons.take(chosen)
+    return Joined(polygons, facet, first, area, centre)
 
 
 @njit(cache=True)
@@ -137,3 +139,41 @@ def volumes(
 ) -> FloatArray:
     """Volumes of bodies as sums of the cones from their nuclei to contacts and to surface facets; shape (n,)."""
     return np.asarray(_volumes(x, bodies, area, length, body, skin_area, centroid, normal))
+
+
+@njit(cache=True)
+def _volume_of(corner_start, corner, twin, face, plane_start, normal, offset):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for k in range(len(corner_start) - 1):
+        first, count = corner_start[k], corner_start[k + 1] - corner_start[k]
+        at = np.full(plane_start[k + 1] - plane_start[k], -1)
+        for v in range(count):
+            for m in range(3):
+                at[face[4 * (first + v) + m]] = 4 * v + m
+        for f in range(len(at)):
+            if at[f] < 0:
+                continue
+            n, edge = normal[plane_start[k] + f], at[f]
+            height = offset[plane_start[k] + f]
+            for a in range(3):
+                height -= n[a] * corner[a, first]
+            begin = first + (edge >> 2)
+            twice = 0.0  # the area
+            while True:
+                after = following(edge, twin[4 * first : 4 * (first + count)])
+                u, w = first + (edge >> 2), first + (after >> 2)
+                for a in range(3):
+                    b, c = (a + 1) % 3, (a + 2) % 3
+                    twice += n[a] * (corner[b, u] - corner[b, begin]) * (corner[c, w] - corner[c, begin])
+                    twice -= n[a] * (corner[c, u] - corner[c, begin]) * (corner[b, w] - corner[b, begin])
+                edge = after
+                if edge == at[f]:
+                    break
+            total += abs(twice) * height / 6.0
+    return total
+
+
+def volume_of(complex_: Complex) -> float:
+    """Volume of a complex [m^3]."""
+    c = complex_
+    return float(_volume_of(c.corner_start, c.corner, c.twin, c.face, c.plane_start, c.normal, c.offset))

@@ -14,19 +14,18 @@ from scipy.spatial import cKDTree
 
 from fissura.case.files import check_file, read_text
 from fissura.errors import InputError
-from fissura.tessellation.mirror import MirrorZones, mirror_zones
+from fissura.specimen.complex import Complex
 from fissura.tessellation.placement import place
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.specimen import Box
+    from fissura.specimen import Domain
 
 __all__ = ["Nuclei", "nuclei_from_case", "read_nuclei"]
 
 _KEY = "discretization.nuclei"
 
-#: Distance in spacings within which two nuclei are the same but for round-off.
-_SAME = 1e-6
+_ROUND_OFF = 1e-9  # of the specimen's size
 
 #: Largest files that are read.
 _MOST_BYTES, _MOST_BYTES_OF_TEXT = 2_000_000_000, 100_000_000
@@ -40,43 +39,43 @@ class Nuclei:
     ----------
     x : (n, 3) array
         Positions [m].
+    home : (n,) array
+        The convex cell of the specimen that holds each of them.
     priority : (n,) array
-        Fixed random rank, 0 first; mirrored twins share theirs.
-    twin : (n,) array
-        Index of the mirror image, -1 for none.
+        Fixed random rank, 0 first.
     spacing : float
         Smallest distance ``l_f`` [m].
-    widest : (n,) array
-        Largest spacing at each nucleus with which notches can be represented [m], infinite far from them.
+    complex : Complex
+        The specimen.
     given : int
         How many of them a file gave; the others were added.
     """
 
     x: NDArray[np.float64]
+    home: NDArray[np.int64]
     priority: NDArray[np.int64]
-    twin: NDArray[np.int64]
     spacing: float
-    widest: NDArray[np.float64]
+    complex: Complex
     given: int = 0
+
+    def inside(self, cell: int) -> NDArray[np.int64] | None:
+        """Nuclei that are admitted in a convex cell of the specimen; None where all are."""
+        c = self.complex
+        rules = slice(c.rule_start[cell], c.rule_start[cell + 1])
+        if rules.start == rules.stop:
+            return None
+        return np.flatnonzero(np.all(self.x @ c.rule_normal[rules].T > c.rule_offset[rules], axis=1))
 
     def __len__(self) -> int:
         return len(self.x)
 
     @classmethod
     def placed(
-        cls,
-        box: Box,
-        l_f: float,
-        zones: MirrorZones,
-        rng: np.random.Generator,
-        given: NDArray[np.float64] | None = None,
+        cls, complex_: Complex, l_f: float, rng: np.random.Generator, given: NDArray[np.float64] | None = None
     ) -> Nuclei:
-        """Saturate a box with nuclei and give each a random priority; arguments as for :func:`place`."""
-        x, twin = place(box, l_f, zones, rng, given)
-        priority = rng.permutation(len(x))
-        paired = twin >= 0
-        priority[paired] = np.minimum(priority[paired], priority[twin[paired]])
-        return cls(x, priority, twin, l_f, zones.widest(x))
+        """Saturate a complex with nuclei and give each a random priority; arguments as for :func:`place`."""
+        x, home = place(complex_, l_f, rng, given)
+        return cls(x, home, rng.permutation(len(x)), l_f, complex_)
 
 
 def read_nuclei(path: Path) -> NDArray[np.float64]:
@@ -107,35 +106,49 @@ def read_nuclei(path: Path) -> NDArray[np.float64]:
     return np.array(x, dtype=np.float64, order="C")
 
 
-def nuclei_from_case(case: Case, box: Box) -> Nuclei:
+def nuclei_from_case(case: Case, domain: Domain) -> Nuclei:
     """Place the fine nuclei of a case's specimen, beginning with those of its nuclei file if there is one.
 
-    Nuclei from a file stay where they are, and all of them are used; beside a notch they get mirrored twins. Gaps are
-    filled up to saturation.
+    Nuclei from a file stay where they are, and all of them are used. Gaps are filled up to saturation.
 
     Raises
     ------
     InputError
-        A nuclei file that cannot be used, or notches too close to each other.
+        A nuclei file that cannot be used.
     """
     part = case.discretization
     rng = np.random.default_rng(np.random.SeedSequence(case.seed))
-    zones = mirror_zones(box, part.l_f)
     if part.nuclei is None:
-        return Nuclei.placed(box, part.l_f, zones, rng)
+        return Nuclei.placed(domain.complex, part.l_f, rng)
     given = read_nuclei(part.nuclei)
-    margin = 1e-9 * max(box.size)  # round-off must not decide on which side of a face a nucleus lies
-    outside = np.any((given <= margin) | (given >= np.asarray(box.size) - margin), axis=1) | ~box.contains(given)
+    outside = (domain.cell_of(given) < 0) | _on_surface(given, domain.complex)
     if outside.any():
         row = int(np.argmax(outside))
         raise InputError(
             _KEY,
             f"nucleus {row + 1} at {tuple(given[row].tolist())} m is not inside the specimen",
-            f"coordinates between 0 and {box.size} m, outside of notches",
+            "places in the material, not on its surface",
         )
-    nuclei = replace(Nuclei.placed(box, part.l_f, zones, rng, given), given=len(given))
+    nuclei = replace(Nuclei.placed(domain.complex, part.l_f, rng, given), given=len(given))
     _check_used(given, nuclei)
     return nuclei
+
+
+def _on_surface(x: NDArray[np.float64], complex_: Complex) -> NDArray[np.bool_]:
+    """Whether points lie on the surface but for round-off, which must not decide on which side; (n, 3) -> (n,)."""
+    c = complex_
+    margin = _ROUND_OFF * c.extent
+    out = np.zeros(len(x), np.bool_)
+    cell = np.repeat(np.arange(len(c.low)), np.diff(c.plane_start))
+    for f in np.unique(np.repeat(np.arange(len(c.offset)), np.diff(c.part_start))[c.part_to < 0]):
+        near = np.flatnonzero(np.abs(x @ c.normal[f] - c.offset[f]) <= margin)
+        rows = slice(c.plane_start[cell[f]], c.plane_start[cell[f] + 1])
+        near = near[np.all(x[near] @ c.normal[rows].T <= c.offset[rows] + margin, axis=1)]
+        for part in range(c.part_start[f], c.part_start[f + 1]):
+            if c.part_to[part] < 0:
+                edges = slice(c.edge_start[part], c.edge_start[part + 1])
+                out[near] |= np.all(x[near] @ c.edge_normal[edges].T <= c.edge_offset[edges] + margin, axis=1)
+    return out
 
 
 def _check_used(given: NDArray[np.float64], nuclei: Nuclei) -> None:
@@ -144,28 +157,20 @@ def _check_used(given: NDArray[np.float64], nuclei: Nuclei) -> None:
     Raises
     ------
     InputError
-        Some are not: they are closer than the spacing to others, or do not go with a notch.
+        Some are not: they are closer than the spacing to others.
     """
     distance, place = cKDTree(nuclei.x).query(given)
     used = np.zeros(len(given), bool)
     used[np.unique(place, return_index=True)[1]] = True  # of two at one place the first
-    unused = np.flatnonzero(~used | (distance > _SAME * nuclei.spacing))
+    unused = np.flatnonzero(~used | (distance > 0.0))
     if not len(unused):
         return
     row = int(unused[0])
-    # It is one of the two nearest itself; a single nucleus has no other.
-    gaps, others = (np.ravel(found) for found in cKDTree(given).query(given[row], k=2))
-    near = next((k for k in range(2) if others[k] != row and gaps[k] < nuclei.spacing), None)
-    if near is None:
-        reason = (
-            "is closer to the plane of a notch than l_f/2, or to the mirror image of another nucleus in it than l_f"
-        )
-    else:
-        l_f = 1e3 * nuclei.spacing
-        reason = f"is {1e3 * gaps[near]:.4g} mm from nucleus {others[near] + 1}, less than l_f = {l_f:.4g} mm"
+    gaps, others = (np.ravel(found) for found in cKDTree(given).query(given[row], k=2))  # one of the two is itself
+    near = 0 if others[0] != row else 1
     raise InputError(
         _KEY,
         f"{len(unused)} of {len(given)} nuclei cannot be used; nucleus {row + 1} at {tuple(given[row].tolist())} m"
-        f" {reason}",
-        "nuclei at least l_f apart, beside a notch mirror images of each other; leave others out, gaps are filled",
+        f" is {1e3 * gaps[near]:.4g} mm from nucleus {others[near] + 1}, less than l_f = {1e3 * nuclei.spacing:.4g} mm",
+        "nuclei at least l_f apart; leave others out, gaps are filled",
     )

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.tessellation.cell import clip_cells
-from fissura.tessellation.grid import grid_of
-from fissura.tessellation.measures import lines, polygon_measures, volumes
+from fissura.specimen.shapes.box import box
+from fissura.tessellation.clipped import Setting, clipped, plane_keys
+from fissura.tessellation.measures import lines, volumes
 from fissura.tessellation.periodic_placement import place_periodic
-from fissura.tessellation.ragged import Ragged
 from fissura.tessellation.structure import Contacts, Polygons
 
 __all__ = ["PeriodicCell", "periodic_cell"]
@@ -94,23 +93,19 @@ def periodic_cell(x: FloatArray, side: float, spacing: float, gap: float = 1.0) 
     of = np.concatenate([np.arange(n), body])
     steps = np.concatenate([np.zeros((n, 3), np.int64), step])
     everywhere = np.ascontiguousarray(x[of] + side * steps + layer)
-    size = np.full(3, side + 2.0 * layer)
-    grid = grid_of(everywhere, spacing)
-    order = grid.order[grid.order < n]
-    room = np.empty((45 * n + 64, 3))
-    guess = np.full(len(of), spacing)
-    reach2, count, other, corners, points = clip_cells(order, everywhere, size, guess, grid, room)
-    if (other < 0).any() or reach2.max() > layer**2:
+    size = (side + 2.0 * layer,) * 3
+    complex_, _ = box(size).build()
+    home = np.zeros(len(of), np.int64)
+    setting = Setting.of(everywhere, home, complex_, plane_keys(complex_), np.full(len(of), spacing), 0)
+    found = clipped(np.arange(len(of)) < n, setting)
+    if len(found.outer.body) or found.reach2.max() > layer**2:
         raise ValueError("the nuclei leave gaps")
-    polygons = Ragged(points - layer, np.concatenate([[0], np.cumsum(corners)]), np.arange(len(corners)))
-    area, _ = polygon_measures(polygons)
-    i = np.repeat(order, count)
+    i, other, area = found.inner.body, found.inner.other, found.inner.area
     # A contact across a face is found from both of its sides: the one whose image lies in positive direction counts.
     ahead = np.sign(steps[other]) @ np.array([9, 3, 1])
     kept = np.flatnonzero((ahead >= 0) & (area > _NEGLIGIBLE * spacing**2))
     kept = kept[np.lexsort((ahead[kept], of[other[kept]], i[kept]))]
-    polygons = polygons.take(kept)
-    area, centroid = polygon_measures(polygons)
+    polygons, area, centroid = found.inner.polygons.take(kept), area[kept], found.inner.centroid[kept] - layer
     bodies = np.stack([i[kept], other[kept]], axis=1)
     direction, length = lines(everywhere, bodies)
     paired = np.stack([bodies[:, 0], of[bodies[:, 1]]], axis=1)
@@ -126,7 +121,7 @@ def periodic_cell(x: FloatArray, side: float, spacing: float, gap: float = 1.0) 
             normal=direction,
             length=length,
             fine=np.ones(len(kept), np.bool_),
-            polygons=Polygons(polygons.points, polygons.offsets, np.arange(len(kept))),
+            polygons=Polygons(polygons.points - layer, polygons.offsets, np.arange(len(kept))),
         ),
         side * steps[bodies[:, 1]].astype(float),
     )

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
-from fissura.tessellation.voxels import divided, free, surroundings
+from fissura.tessellation.roots import free_roots
+from fissura.tessellation.search import INNER
+from fissura.tessellation.voxels import Placed, divided, free, surroundings
 
 __all__ = ["SMALLEST_SIDE", "place_periodic"]
 
@@ -19,7 +21,7 @@ _MAX_LEVEL = 24
 _TRIALS_PER_VOXEL = 2.0
 
 
-@njit(cache=True)
+@njit(**INNER)
 def _enter(p, n, x, grid, shape, side, cell):  # type: ignore[no-untyped-def]
     """Enter a nucleus and those of its images that lie in the margin of the grid; returns the count of all."""
     here = np.empty(3, np.int64)
@@ -41,8 +43,7 @@ def _enter(p, n, x, grid, shape, side, cell):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _place(side, spacing, cell, shape, steps, none, rng, max_level, rate):  # type: ignore[no-untyped-def]
-    zones, void = none
+def _place(side, spacing, cell, shape, steps, roots, rng, max_level, rate):  # type: ignore[no-untyped-def]
     grid = np.full((shape[0] + 4) * (shape[1] + 4) * (shape[2] + 4), -1, np.int32)
     # Balls of half the spacing do not overlap, and all nuclei and images lie in the grid and its margin.
     room = int(1.5 * ((side + 5.0 * cell) / spacing + 1.0) ** 3) + 64
@@ -50,14 +51,15 @@ def _place(side, spacing, cell, shape, steps, none, rng, max_level, rate):  # ty
     own = np.empty((room, 3))
     total, n = 0, 0
     l2 = spacing * spacing
-    size = np.full(3, side)
-    active = np.empty((shape[0] * shape[1] * shape[2], 3), np.int64)
+    placed = Placed(x, grid, steps, shape, cell, l2)
+    active = np.empty((shape[0] * shape[1] * shape[2], 3), np.int32)
     count = 0
     for i in range(shape[0]):
         for j in range(shape[1]):
             for k in range(shape[2]):
                 active[count, 0], active[count, 1], active[count, 2] = i, j, k
                 count += 1
+    root = np.zeros(count, np.int32)  # which one does not matter
     p = np.empty(3)
     width = cell
     level = 0
@@ -78,7 +80,7 @@ def _place(side, spacing, cell, shape, steps, none, rng, max_level, rate):  # ty
             n += 1
             count -= 1
         parts = 2 if level > 0 else 1
-        active = divided(active[:count], parts, width, size, zones, void, void, x, grid, steps, shape, cell, l2)
+        active, root = divided(active[:count], root[:count], parts, width, roots, placed)
         count = len(active)
         width /= parts
         level += 1
@@ -113,7 +115,6 @@ def place_periodic(side: float, spacing: float, rng: np.random.Generator) -> Flo
     number = int(np.ceil(side * np.sqrt(3.0) / spacing * (1.0 + 1e-12)))
     cell = side / number
     shape, steps = surroundings(np.full(3, (number - 0.5) * cell), cell)
-    no_box, no_zone = np.empty((0, 3)), np.empty(0)
-    none = ((no_box, no_box, np.empty(0, np.int64), no_zone, 0.0), no_box)
-    x: FloatArray = _place(side, spacing, cell, shape, steps, none, rng, _MAX_LEVEL, _TRIALS_PER_VOXEL)
+    roots = free_roots(int(np.prod(shape)))
+    x: FloatArray = _place(side, spacing, cell, shape, steps, roots, rng, _MAX_LEVEL, _TRIALS_PER_VOXEL)
     return x

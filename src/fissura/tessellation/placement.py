@@ -2,7 +2,7 @@
 
 Trials fall only into *active voxels*, those not yet covered by the exclusion balls of accepted nuclei. When
 trials become rare hits the voxels are divided by eight and the covered ones dropped, until none is left: no point
-of the specimen can then take another nucleus.
+of the specimen can then take another nucleus. Voxels that faces of the specimen cut count by their parts inside.
 """
 
 from __future__ import annotations
@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
-from fissura.specimen import Box
-from fissura.tessellation.mirror import MirrorZones
-from fissura.tessellation.voxels import cell_of, divided, free, surroundings
+from fissura.specimen.complex import Complex
+from fissura.tessellation.roots import holder, roots_of
+from fissura.tessellation.search import INNER
+from fissura.tessellation.voxels import Placed, cell_of, divided, free, surroundings
 
 __all__ = ["expected_count", "place"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 _MAX_LEVEL = 24
 
@@ -32,43 +34,38 @@ def expected_count(size: tuple[float, float, float], spacing: float) -> float:
     return float(0.734 * np.prod(np.asarray(size) / spacing + 0.6))
 
 
-@njit(cache=True)
-def _zone_at(p, lower, upper):  # type: ignore[no-untyped-def]
-    for z in range(len(lower)):
-        if (
-            lower[z, 0] <= p[0] <= upper[z, 0]
-            and lower[z, 1] <= p[1] <= upper[z, 1]
-            and lower[z, 2] <= p[2] <= upper[z, 2]
-        ):
-            return z
-    return -1
+@njit(**INNER)
+def _first(shape, roots):  # type: ignore[no-untyped-def]
+    """All roots that meet the specimen, as voxels."""
+    active = np.empty((shape[0] * shape[1] * shape[2], 3), np.int32)
+    root = np.empty(len(active), np.int32)
+    count = 0
+    for r in range(len(active)):
+        if roots.start[r + 1] > roots.start[r]:
+            active[count, 0], active[count, 1], active[count, 2] = (
+                r // (shape[1] * shape[2]), r // shape[2] % shape[1], r % shape[2]
+            )  # fmt: skip
+            root[count] = r
+            count += 1
+    return active[:count].copy(), root[:count].copy()
 
 
 @njit(cache=True)
-def _place(  # type: ignore[no-untyped-def]
-    size, spacing, cell, shape, steps, zones, void_lower, void_upper, given, rng, max_level, rate
-):
+def _place(spacing, cell, shape, steps, roots, given, rng, max_level, rate):  # type: ignore[no-untyped-def]
     grid = np.full((shape[0] + 4) * (shape[1] + 4) * (shape[2] + 4), -1, np.int32)
-    zl, zu, za, zp, zc = zones
-    capacity = max(64, int(1.5 * size[0] * size[1] * size[2] / spacing**3) + 4 * len(given) + 64)
-    x = np.empty((capacity, 3))
-    twin = np.full(capacity, -1, np.int64)
-    n = 0
+    active, root = _first(shape, roots)
+    _, start, cells, begin, end, normal, offset = roots
+    capacity = 1024 + len(given) + len(active) // 4
+    x, home = np.empty((capacity, 3)), np.empty(capacity, np.int64)
+    taken, n = np.zeros(len(given), np.bool_), 0
+    side = cell
+    p = np.empty(3)
     l2 = spacing * spacing
     l2_given = l2 * (1.0 - _REGULAR)  # a regular grid is not thinned out by round-off
-    side = cell
-    active = np.empty((shape[0] * shape[1] * shape[2], 3), np.int64)
-    count = 0
-    for i in range(shape[0]):
-        for j in range(shape[1]):
-            for k in range(shape[2]):
-                active[count, 0], active[count, 1], active[count, 2] = i, j, k
-                count += 1
-    p = np.empty(3)
-    t = np.empty(3)
-    level = 0
-    g = 0
+    level, g = 0, 0
+    count = len(active)
     while count > 0 and level <= max_level:
+        placed = Placed(x, grid, steps, shape, cell, l2)
         trials = int(rate * count) + 1 if g >= len(given) else len(given)
         for _ in range(trials):
             if g < len(given):
@@ -76,119 +73,81 @@ def _place(  # type: ignore[no-untyped-def]
                 for a in range(3):
                     p[a] = given[g, a]
                 g += 1
+                r = (int(p[0] / cell) * shape[1] + int(p[1] / cell)) * shape[2] + int(p[2] / cell)
             else:
                 if count == 0:
                     break
                 v = int(rng.random() * count)
                 for a in range(3):
                     p[a] = (active[v, a] + rng.random()) * side
-                if p[0] >= size[0] or p[1] >= size[1] or p[2] >= size[2]:
-                    continue
-            in_void = False
-            for w in range(len(void_lower)):
-                if (
-                    void_lower[w, 0] <= p[0] <= void_upper[w, 0]
-                    and void_lower[w, 1] <= p[1] <= void_upper[w, 1]
-                    and void_lower[w, 2] <= p[2] <= void_upper[w, 2]
-                ):
-                    in_void = True
-            if in_void:
+                r = -1
+            if not free(p, x, grid, steps, shape, cell, l2_given if v < 0 else l2):
                 continue
-            z = _zone_at(p, zl, zu)
-            if z >= 0 and abs(p[za[z]] - zp[z]) < (zc * (1.0 - _REGULAR) if v < 0 else zc):
+            if v >= 0:
+                r = root[v]
+            k = holder(p, r, start, cells, begin, end, normal, offset)
+            if k < 0:
                 continue
-            away2 = l2_given if v < 0 else l2
-            if not free(p, x, grid, steps, shape, cell, away2):
-                continue
-            if z >= 0:
-                for a in range(3):
-                    t[a] = p[a]
-                t[za[z]] = 2.0 * zp[z] - p[za[z]]
-                if not free(t, x, grid, steps, shape, cell, away2):
-                    continue
-            if n + 2 > capacity:
+            if n == capacity:
                 capacity *= 2
-                bigger = np.empty((capacity, 3))
-                for k in range(n):
+                bigger, longer = np.empty((capacity, 3)), np.empty(capacity, np.int64)
+                for i in range(n):
+                    longer[i] = home[i]
                     for a in range(3):
-                        bigger[k, a] = x[k, a]
-                x = bigger
-                longer = np.full(capacity, -1, np.int64)
-                for k in range(n):
-                    longer[k] = twin[k]
-                twin = longer
+                        bigger[i, a] = x[i, a]
+                x, home = bigger, longer
+                placed = Placed(x, grid, steps, shape, cell, l2)
             for a in range(3):
                 x[n, a] = p[a]
+            home[n] = k
+            if v < 0:
+                taken[g - 1] = True
             grid[cell_of(p[0], p[1], p[2], shape, cell)] = n
             n += 1
-            if z >= 0:
-                for a in range(3):
-                    x[n, a] = t[a]
-                grid[cell_of(t[0], t[1], t[2], shape, cell)] = n
-                twin[n] = n - 1
-                twin[n - 1] = n
-                n += 1
             if v >= 0:
                 # A voxel no larger than a grid cell is covered by the nucleus inside it.
-                for a in range(3):
-                    active[v, a] = active[count - 1, a]
                 count -= 1
+                root[v] = root[count]
+                for a in range(3):
+                    active[v, a] = active[count, a]
         # Divide what is left and drop what is covered.
-        divide = level > 0 or g >= len(given)
-        parts = 2 if divide else 1
-        active = divided(
-            active[:count], parts, side, size, zones, void_lower, void_upper, x, grid, steps, shape, cell, l2
-        )
+        active, root = divided(active[:count], root[:count], 2, side, roots, placed)
         count = len(active)
-        side /= parts
+        side /= 2
         level += 1
-    return x[:n].copy(), twin[:n].copy(), count
+    return x[:n].copy(), home[:n].copy(), taken, count
 
 
 def place(
-    box: Box,
-    spacing: float,
-    zones: MirrorZones,
-    rng: np.random.Generator,
-    given: FloatArray | None = None,
-) -> tuple[FloatArray, NDArray[np.int64]]:
+    complex_: Complex, spacing: float, rng: np.random.Generator, given: FloatArray | None = None
+) -> tuple[FloatArray, IntArray]:
     """Place nuclei until the specimen is saturated.
 
     Parameters
     ----------
-    box : Box
+    complex_ : Complex
         The specimen.
     spacing : float
         Smallest distance ``l_min`` of nuclei [m].
-    zones : MirrorZones
-        Where nuclei come in mirrored pairs.
     rng : numpy.random.Generator
         Source of randomness.
     given : (k, 3) array, optional
-        Nuclei to begin with [m]; those closer than `spacing` to an earlier one are left out.
+        Nuclei in the specimen to begin with [m]; those closer than `spacing` to an earlier one are left out.
 
     Returns
     -------
     x : (n, 3) array
         Nuclei [m].
-    twin : (n,) array
-        Index of the mirror image of each nucleus, -1 outside the zones.
+    home : (n,) array
+        The convex cell that holds each of them.
     """
-    voids = [notch.bounds for notch in box.notches if notch.width > 0.0]
-    size = np.asarray(box.size, float)
     # Nuclei are at least one spacing apart, so a grid cell with that diagonal holds one at most.
     cell = spacing / np.sqrt(3.0) * (1.0 - (1e-12 if given is None else _REGULAR))
-    x, twin, _ = _place(
-        size,
-        spacing,
-        cell,
-        *surroundings(size, cell),
-        (zones.lower, zones.upper, zones.axis, zones.plane, zones.clearance),
-        np.array([low for low, _ in voids]).reshape(-1, 3),
-        np.array([high for _, high in voids]).reshape(-1, 3),
-        np.empty((0, 3)) if given is None else np.ascontiguousarray(given, float),
-        rng,
-        _MAX_LEVEL,
-        _TRIALS_PER_VOXEL,
-    )
-    return x, twin
+    origin = complex_.low.min(axis=0)
+    shape, steps = surroundings(complex_.high.max(axis=0) - origin, cell)
+    given = np.empty((0, 3)) if given is None else np.ascontiguousarray(given, float)
+    roots = roots_of(complex_, origin, shape, cell)
+    x, home, taken, _ = _place(spacing, cell, shape, steps, roots, given - origin, rng, _MAX_LEVEL, _TRIALS_PER_VOXEL)
+    x += origin
+    x[: taken.sum()] = given[taken]  # where they are, to the last bit
+    return x, home

@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
+from fissura.tessellation.search import INNER
 
-__all__ = ["areas_and_centroids", "clip", "clip_many"]
+__all__ = ["area2", "areas_and_centroids", "clip"]
 
 
-@njit(cache=True)
+@njit(**INNER)
 def clip(points, count, normal, offset, out):  # type: ignore[no-untyped-def]
     """Keep the part of a polygon with ``normal . x <= offset`` (Sutherland and Hodgman 1974); return its corners."""
     kept = 0
@@ -30,17 +31,19 @@ def clip(points, count, normal, offset, out):  # type: ignore[no-untyped-def]
     return kept if kept >= 3 else 0
 
 
-@njit(cache=True)
-def clip_many(points, offsets, normal, offset):  # type: ignore[no-untyped-def]
-    """Keep the parts of many polygons with ``normal . x <= offset``; empty ones have no corners left."""
-    q = len(offsets) - 1
-    out = np.empty((len(points) + 2 * q, 3))
-    new = np.zeros(q + 1, np.int64)
-    n = 0
-    for k in range(q):
-        n += clip(points[offsets[k] : offsets[k + 1]], offsets[k + 1] - offsets[k], normal, offset, out[n:])
-        new[k + 1] = n
-    return out[:n].copy(), new
+@njit(**INNER)
+def area2(points, count):  # type: ignore[no-untyped-def]
+    """Squared area of a polygon."""
+    o0, o1, o2 = points[0, 0], points[0, 1], points[0, 2]
+    v0 = v1 = v2 = 0.0
+    a0, a1, a2 = points[1, 0] - o0, points[1, 1] - o1, points[1, 2] - o2
+    for m in range(2, count):
+        b0, b1, b2 = points[m, 0] - o0, points[m, 1] - o1, points[m, 2] - o2
+        v0 += 0.5 * (a1 * b2 - a2 * b1)
+        v1 += 0.5 * (a2 * b0 - a0 * b2)
+        v2 += 0.5 * (a0 * b1 - a1 * b0)
+        a0, a1, a2 = b0, b1, b2
+    return v0 * v0 + v1 * v1 + v2 * v2
 
 
 @njit(cache=True)

@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from fissura.kernels import njit
 from fissura.tessellation.nuclei import Nuclei
+from fissura.tessellation.search import INNER
 
 __all__ = ["select"]
 
 
-@njit(cache=True)
+@njit(**INNER)
 def _free(p, l2, x, grid, head, following):  # type: ignore[no-untyped-def]
     """Whether no kept nucleus is closer to a point than a distance no larger than the side of this grid's cells."""
     low, side, shape, first, level = grid
@@ -29,25 +30,11 @@ def _free(p, l2, x, grid, head, following):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _ordered(priority):  # type: ignore[no-untyped-def]
-    """Nuclei by priority, then number; priorities are smaller than their count."""
-    n = len(priority)
-    place = np.zeros(n + 1, np.int64)
-    for i in range(n):
-        place[priority[i] + 1] += 1
-    for k in range(n):
-        place[k + 1] += place[k]
-    order = np.empty(n, np.int64)
-    for i in range(n):
-        order[place[priority[i]]] = i
-        place[priority[i]] += 1
-    return order
-
-
-@njit(cache=True)
-def _select(x, priority, twin, spacing, side):  # type: ignore[no-untyped-def]
+def _select(x, priority, spacing, side):  # type: ignore[no-untyped-def]
     n = len(x)
-    order = _ordered(priority)
+    order = np.empty(n, np.int64)
+    for k in range(n):
+        order[priority[k]] = k
     kept = np.zeros(n, np.bool_)
     low = np.empty(3)
     size = np.empty(3)
@@ -69,10 +56,10 @@ def _select(x, priority, twin, spacing, side):  # type: ignore[no-untyped-def]
     following = np.full((levels, n), -1, np.int32)
     # First the refined region, then the others by priority.
     for refined in (True, False):
-        for i in order:
+        for q in range(n):
+            i = order[q]
             if kept[i] or (spacing[i] <= 0.0) != refined:
                 continue
-            j = twin[i]
             if not refined:
                 reach = spacing[i]
                 m = 0
@@ -81,19 +68,14 @@ def _select(x, priority, twin, spacing, side):  # type: ignore[no-untyped-def]
                 grid = (low, side * 2.0**m, shape[m], first[m], m)
                 if not _free(x[i], reach * reach, x, grid, head, following):
                     continue
-                if j >= 0 and not _free(x[j], reach * reach, x, grid, head, following):
-                    continue
-            for member in (i, j):
-                if member >= 0 and not kept[member]:
-                    kept[member] = True
-                    for m in range(levels):
-                        c = first[m]
-                        width = side * 2.0**m
-                        step = 0
-                        for a in range(3):
-                            step = step * shape[m, a] + int((x[member, a] - low[a]) / width)
-                        following[m, member] = head[c + step]
-                        head[c + step] = member
+            kept[i] = True
+            for m in range(levels):
+                width = side * 2.0**m
+                step = 0
+                for a in range(3):
+                    step = step * shape[m, a] + int((x[i, a] - low[a]) / width)
+                following[m, i] = head[first[m] + step]
+                head[first[m] + step] = i
     return kept
 
 
@@ -101,16 +83,15 @@ def select(nuclei: Nuclei, spacing: NDArray[np.float64]) -> tuple[NDArray[np.int
     """Select the nuclei of a discretization.
 
     All nuclei with zero spacing (the refined region) are kept; then, by priority, each one that has no kept
-    nucleus closer than its own spacing. Mirrored twins are kept or left together. The result is a pure function
-    of the arguments, so it does not depend on the order in which a region grew.
+    nucleus closer than its own spacing. The result is a pure function of the arguments, so it does not depend on the
+    order in which a region grew.
 
     Parameters
     ----------
     nuclei : Nuclei
         All fine nuclei.
     spacing : (n,) array
-        Wanted spacing at every nucleus [m], 0 inside the refined region. Beside notches it is limited by
-        ``nuclei.widest``.
+        Wanted spacing at every nucleus [m], 0 inside the refined region.
 
     Returns
     -------
@@ -119,9 +100,5 @@ def select(nuclei: Nuclei, spacing: NDArray[np.float64]) -> tuple[NDArray[np.int
     fine : (k,) bool array
         Which of them lie in the refined region.
     """
-    spacing = np.where(spacing > 0.0, np.minimum(spacing, np.maximum(nuclei.widest, nuclei.spacing)), 0.0)
-    paired = nuclei.twin >= 0
-    spacing[paired] = np.minimum(spacing[paired], spacing[nuclei.twin[paired]])
-    side = 2.0 * nuclei.spacing
-    kept = np.flatnonzero(_select(nuclei.x, nuclei.priority, nuclei.twin, spacing, side))
+    kept = np.flatnonzero(_select(nuclei.x, nuclei.priority, spacing, 2.0 * nuclei.spacing))
     return kept, spacing[kept] <= 0.0

@@ -11,18 +11,21 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from fissura.tessellation.voronoi import Cells
 
-__all__ = ["Contacts", "Polygons", "SurfaceFacets", "Tessellation"]
+__all__ = ["LEDGE", "Contacts", "Polygons", "SurfaceFacets", "Tessellation"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+#: Name of the surface to which ledges at the tip of a notch belong.
+LEDGE = "ledge"
 
 
 @dataclass(frozen=True)
 class Polygons:
     """Planar convex polygons of different numbers of corners.
 
-    A facet that a notch cuts may consist of several polygons.
+    A facet that reaches through several convex cells of the specimen consists of several polygons.
 
     Attributes
     ----------
@@ -85,6 +88,10 @@ class Contacts:
 class SurfaceFacets:
     """Facets of bodies on the surface of the specimen, walls of notches included.
 
+    At the level of a notch's tip, the plane of the notch ends and bisectors begin. Where they do not meet, bodies end
+    in ledges, small facets at that level that are free like the surface; they belong to a surface of their own,
+    `LEDGE`, which is named last.
+
     Attributes
     ----------
     body : (b,) array
@@ -111,6 +118,13 @@ class SurfaceFacets:
     names: tuple[str, ...]
     polygons: Polygons
 
+    @property
+    def ledges(self) -> BoolArray:
+        """Which facets are ledges at the tip of a notch, shape (b,)."""
+        if not self.names or self.names[-1] != LEDGE:
+            return np.zeros(len(self), np.bool_)
+        return np.asarray(self.surface == len(self.names) - 1)
+
     def __len__(self) -> int:
         return len(self.area)
 
@@ -133,8 +147,10 @@ class Tessellation:
         Contacts between bodies.
     surface : SurfaceFacets
         Facets on the specimen's surface.
+    pieces : (p, 2) array, optional
+        Body and convex cell of the specimen for every piece of a body; None where all of it is one convex cell.
     cells : Cells, optional
-        The cells before notches were cut, so that the next discretization need not repeat all the work.
+        How bodies were found, so that the next discretization need not repeat all the work.
     """
 
     nucleus: IntArray
@@ -143,7 +159,12 @@ class Tessellation:
     volume: FloatArray
     contacts: Contacts
     surface: SurfaceFacets
+    pieces: IntArray | None = field(default=None, repr=False)
     cells: Cells | None = field(default=None, repr=False, compare=False)
+
+    def inside(self, cell: int) -> IntArray | None:
+        """Bodies with a piece in a convex cell of the specimen; None where all of it is one."""
+        return None if self.pieces is None else self.pieces[self.pieces[:, 1] == cell, 0]
 
     def without_shapes(self) -> Tessellation:
         """The same without the polygons of facets and without cells: all that equations need, in half the memory."""

@@ -6,15 +6,47 @@ Nuclei are sorted into a grid whose cells hold one at most. The grid has two mor
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
+from fissura.tessellation.piece import work_arrays
+from fissura.tessellation.roots import extremes, part_of
+from fissura.tessellation.search import INNER
 
-__all__ = ["cell_of", "divided", "free", "surroundings"]
+__all__ = ["Placed", "cell_of", "divided", "free", "surroundings"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+
+class Placed(NamedTuple):
+    """Nuclei placed so far.
+
+    Attributes
+    ----------
+    x : (c, 3) array
+        Nuclei [m], and room for more.
+    grid : (g,) array
+        Number of the nucleus in each cell of the grid, -1 for none.
+    steps : (125,) array
+        Steps from a cell to those around it, nearest first.
+    shape : (3,) array
+        Number of cells along each axis, without the margin.
+    cell : float
+        Side of the cells [m].
+    spacing2 : float
+        Squared spacing [m^2].
+    """
+
+    x: FloatArray
+    grid: NDArray[np.int32]
+    steps: IntArray
+    shape: IntArray
+    cell: float
+    spacing2: float
 
 
 def surroundings(size: FloatArray, cell: float) -> tuple[IntArray, IntArray]:
@@ -31,9 +63,9 @@ def cell_of(p0, p1, p2, shape, cell):  # type: ignore[no-untyped-def]
     return ((int(p0 / cell) + 2) * (shape[1] + 4) + int(p1 / cell) + 2) * (shape[2] + 4) + int(p2 / cell) + 2
 
 
-@njit(cache=True)
+@njit(**INNER)
 def free(p, x, grid, steps, shape, cell, l2):  # type: ignore[no-untyped-def]
-    """Whether no accepted nucleus is closer to `p` than the spacing."""
+    """Whether no nucleus is closer to `p` than a distance, given squared, of at most the spacing."""
     here = cell_of(p[0], p[1], p[2], shape, cell)
     for step in steps:
         q = grid[here + step]
@@ -44,10 +76,9 @@ def free(p, x, grid, steps, shape, cell, l2):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True)
-def _near(low, high, x, grid, steps, shape, cell, l2, near):  # type: ignore[no-untyped-def]
-    """List the nuclei that may cover a part of a box with its centre in it; at most 125."""
-    m0, m1, m2 = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])
+@njit(**INNER)
+def _near(m0, m1, m2, x, grid, steps, shape, cell, l2, near):  # type: ignore[no-untyped-def]
+    """List the nuclei that cover a point, or do but for round-off; at most 125."""
     here = cell_of(m0, m1, m2, shape, cell)
     n = 0
     for step in steps:
@@ -60,8 +91,8 @@ def _near(low, high, x, grid, steps, shape, cell, l2, near):  # type: ignore[no-
     return n
 
 
-@njit(cache=True)
-def _covered_by(low, high, x, near, n, l2):  # type: ignore[no-untyped-def]
+@njit(**INNER)
+def _covered(low, high, x, near, n, l2):  # type: ignore[no-untyped-def]
     """Whether one of these nuclei covers all corners of a box."""
     m0, m1, m2 = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])
     h0, h1, h2 = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
@@ -73,117 +104,195 @@ def _covered_by(low, high, x, near, n, l2):  # type: ignore[no-untyped-def]
     return False
 
 
-@njit(cache=True)
-def _covered(low, high, x, grid, steps, shape, cell, l2, near):  # type: ignore[no-untyped-def]
-    """Whether one accepted nucleus covers all corners of a box no larger than a grid cell."""
-    return _covered_by(low, high, x, near, _near(low, high, x, grid, steps, shape, cell, l2, near), l2)
+@njit(**INNER)
+def _within_axes(low, high, e, roots, bounds, crossing):  # type: ignore[no-untyped-def]
+    """The part of a voxel between those planes of a cell that are normal to an axis, in the first two of the bounds.
 
-
-@njit(cache=True)
-def _in_void(low, high, void_lower, void_upper):  # type: ignore[no-untyped-def]
-    """Whether a box lies wholly in a saw cut."""
-    for v in range(len(void_lower)):
-        inside = True
+    Lists the other planes that cut the voxel and returns their number, -1 where it lies outside of the cell.
+    """
+    n = 0
+    for a in range(3):
+        bounds[0, a], bounds[1, a] = low[a], high[a]
+    for f in range(roots.begin[e], roots.end[e]):
+        least, most = extremes(low, high, roots.normal, f)
+        if least >= roots.offset[f]:
+            return -1
+        if most <= roots.offset[f]:
+            continue
+        across = -1
         for a in range(3):
-            if low[a] < void_lower[v, a] or high[a] > void_upper[v, a]:
+            if abs(roots.normal[f, a]) == 1.0:
+                across = a
+        if across < 0:
+            crossing[n] = f
+            n += 1
+        elif roots.normal[f, across] > 0.0:
+            bounds[1, across] = min(bounds[1, across], roots.offset[f])
+        else:
+            bounds[0, across] = max(bounds[0, across], -roots.offset[f])
+    return n
+
+
+@njit(**INNER)
+def _box_corners(low, high, corner, n):  # type: ignore[no-untyped-def]
+    for v in range(8):
+        for a in range(3):
+            corner[n + v, a] = high[a] if (v >> a) & 1 else low[a]
+    return n + 8
+
+
+@njit(**INNER)
+def _parts(low, high, root, roots, corner, scratch):  # type: ignore[no-untyped-def]
+    """Corners of the parts of a voxel in all convex cells; returns their number, -1 for more than there is room.
+
+    Where it has one part, which is a box, that becomes the voxel and has no corners; where it has none, -2 is returned.
+    """
+    bounds, crossing, work = scratch
+    n, boxes = 0, 0
+    for e in range(roots.start[root], roots.start[root + 1]):
+        n_crossing = _within_axes(low, high, e, roots, bounds, crossing)
+        if n_crossing < 0:
+            continue
+        if n + 16 > len(corner):
+            return -1
+        if n_crossing == 0:
+            boxes += 1
+            if boxes == 1:
+                for a in range(3):
+                    bounds[2, a], bounds[3, a] = bounds[0, a], bounds[1, a]
+            else:
+                n = _box_corners(bounds[0], bounds[1], corner, n)
+            continue
+        count = part_of(bounds[0], bounds[1], crossing, n_crossing, roots.normal, roots.offset, work)
+        if count < 0 or n + count + 8 > len(corner):
+            return -1
+        for v in range(count):
+            for a in range(3):
+                corner[n + v, a] = work[0][a, v]
+        n += count
+    if boxes == 0:
+        return n if n > 0 else -2
+    if n > 0:
+        return _box_corners(bounds[2], bounds[3], corner, n)
+    for a in range(3):
+        low[a], high[a] = bounds[2, a], bounds[3, a]
+    return 0
+
+
+@njit(**INNER)
+def _needed(low, high, root, roots, placed, near, corner, scratch):  # type: ignore[no-untyped-def]
+    """Whether a nucleus may fit into a voxel that faces cut: no other one covers all of its parts."""
+    x, grid, steps, shape, cell, l2 = placed
+    n = _parts(low, high, root, roots, corner, scratch)
+    if n < 0:
+        return n == -1
+    m0, m1, m2 = 0.0, 0.0, 0.0
+    if n == 0:
+        m0, m1, m2 = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])
+    for v in range(n):
+        m0, m1, m2 = m0 + corner[v, 0] / n, m1 + corner[v, 1] / n, m2 + corner[v, 2] / n
+    count = _near(m0, m1, m2, x, grid, steps, shape, cell, l2, near)
+    if n == 0:
+        return not _covered(low, high, x, near, count, l2)
+    for k in range(count):
+        q, inside = near[k], True
+        for v in range(n):
+            d0, d1, d2 = corner[v, 0] - x[q, 0], corner[v, 1] - x[q, 1], corner[v, 2] - x[q, 2]
+            if not d0 * d0 + d1 * d1 + d2 * d2 < l2:
                 inside = False
+                break
+        if inside:
+            return False
+    return True
+
+
+@njit(**INNER)
+def _inside(low, high, root, roots):  # type: ignore[no-untyped-def]
+    """Whether all of a voxel lies in one convex cell."""
+    for e in range(roots.start[root], roots.start[root + 1]):
+        inside = True
+        for f in range(roots.begin[e], roots.end[e]):
+            _, most = extremes(low, high, roots.normal, f)
+            if most > roots.offset[f]:
+                inside = False
+                break
         if inside:
             return True
     return False
 
 
-@njit(cache=True)
-def _mirror_covered(low, high, zones, x, grid, steps, shape, cell, l2, near):  # type: ignore[no-untyped-def]
-    """Whether no nucleus fits into a box because it, or its mirror image, is covered; part by part at a zone's rim."""
-    zl, zu, za, zp, zc = zones
-    for z in range(len(za)):
-        # The part of the box inside the zone, and what is left of the box when one face of the zone cuts it.
-        part_low, part_high = np.empty(3), np.empty(3)
-        rest_low, rest_high = low.copy(), high.copy()
-        cuts = 0
-        empty = False
+@njit(**INNER)
+def _limits(root, start, begin, end, normal, offset, limits):  # type: ignore[no-untyped-def]
+    """Whether only planes normal to an axis cut a root, of one cell; what they leave, in the rows of `limits`."""
+    if start[root + 1] != start[root] + 1:
+        return False
+    for a in range(3):
+        limits[0, a], limits[1, a] = -np.inf, np.inf
+    e = start[root]
+    for f in range(begin[e], end[e]):
+        across = -1
         for a in range(3):
-            part_low[a], part_high[a] = max(low[a], zl[z, a]), min(high[a], zu[z, a])
-            if part_low[a] >= part_high[a]:
-                empty = True
-            if low[a] < zl[z, a]:
-                cuts += 1
-                rest_high[a] = zl[z, a]
-            if high[a] > zu[z, a]:
-                cuts += 1
-                rest_low[a] = zu[z, a]
-        if empty:
-            continue
-        if cuts > 1 or (cuts == 1 and not _covered(rest_low, rest_high, x, grid, steps, shape, cell, l2, near)):
+            if abs(normal[f, a]) == 1.0:
+                across = a
+        if across < 0:
             return False
-        # Pairs keep clear of the plane.
-        a = za[z]
-        below, above = zp[z] - zc, zp[z] + zc
-        if part_low[a] >= below and part_high[a] <= above:
-            return True
-        if part_low[a] >= below:
-            part_low[a] = max(part_low[a], above)
-        elif part_high[a] <= above:
-            part_high[a] = min(part_high[a], below)
-        if _covered(part_low, part_high, x, grid, steps, shape, cell, l2, near):
-            return True
-        lower = part_low[a]
-        part_low[a] = 2.0 * zp[z] - part_high[a]
-        part_high[a] = 2.0 * zp[z] - lower
-        return _covered(part_low, part_high, x, grid, steps, shape, cell, l2, near)
-    return False
+        if normal[f, across] > 0.0:
+            limits[1, across] = min(limits[1, across], offset[f])
+        else:
+            limits[0, across] = max(limits[0, across], -offset[f])
+    return True
 
 
-@njit(cache=True)
-def _meets(low, high, lower, upper, margin):  # type: ignore[no-untyped-def]
-    for z in range(len(lower)):
-        apart = False
-        for a in range(3):
-            apart |= low[a] > upper[z, a] + margin or high[a] < lower[z, a] - margin
-        if not apart:
-            return True
-    return False
-
-
-@njit(cache=True)
-def divided(  # type: ignore[no-untyped-def]
-    active, parts, side, size, zones, void_lower, void_upper, x, grid, steps, shape, cell, l2
-):
-    """Divide voxels and keep those into which another nucleus may fit."""
-    out = np.empty((2 * len(active) + 8, 3), np.int64)
+@njit(**INNER)
+def divided(active, root, parts, side, roots, placed):  # type: ignore[no-untyped-def]
+    """Divide voxels and keep those into which another nucleus may fit; voxels (v, 3) and their roots (v,)."""
+    x, grid, steps, shape, cell, l2 = placed
+    interior, start, _, begin, end, normal, offset = roots
+    limits = np.empty((2, 3))
+    out, out_root = np.empty((2 * len(active) + 8, 3), np.int32), np.empty(2 * len(active) + 8, np.int32)
     kept = 0
     new_side = side / parts
-    low, high, near, mirror = np.empty(3), np.empty(3), np.empty(125, np.int64), np.empty(125, np.int64)
+    low, high, near = np.empty(3), np.empty(3), np.empty(125, np.int64)
+    most = 0
+    for e in range(len(roots.cell)):
+        most = max(most, roots.end[e] - roots.begin[e])
+    scratch = (np.empty((4, 3)), np.empty(most, np.int64), work_arrays(8 + 4 * most))
+    corner = np.empty((2048, 3))
     for v in range(len(active)):
         if kept + 8 > len(out):
-            longer = np.empty((2 * len(out), 3), np.int64)
+            longer, longer_root = np.empty((2 * len(out), 3), np.int32), np.empty(2 * len(out), np.int32)
             for k in range(kept):
+                longer_root[k] = out_root[k]
                 for a in range(3):
                     longer[k, a] = out[k, a]
-            out = longer
+            out, out_root = longer, longer_root
         for a in range(3):
             low[a] = active[v, a] * side
             high[a] = low[a] + side
-        # The centre is a corner of all eight parts, so what covers one of them covers the centre; parts at the end of
-        # the specimen are smaller.
-        alone = parts == 1 or high[0] > size[0] or high[1] > size[1] or high[2] > size[2]
-        n = _near(low, high, x, grid, steps, shape, cell, l2, near)
-        in_zone = _meets(low, high, zones[0], zones[1], 1e-6 * side)
+        whole = interior[root[v]] or _inside(low, high, root[v], roots)
+        # The centre is a corner of all eight parts, so what covers one of them covers the centre.
+        square = not whole and _limits(root[v], start, begin, end, normal, offset, limits)
+        n = 0
+        if whole:
+            m0, m1, m2 = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])
+            n = _near(m0, m1, m2, x, grid, steps, shape, cell, l2, near)
         for part in range(parts**3):
-            inside = True
             for a in range(3):
-                bit = (part >> (2 - a)) & 1
-                out[kept, a] = parts * active[v, a] + bit
+                out[kept, a] = parts * active[v, a] + ((part >> (2 - a)) & 1)
                 low[a] = out[kept, a] * new_side
-                high[a] = min(low[a] + new_side, size[a])
-                inside &= low[a] < size[a]
-            if not inside or _in_void(low, high, void_lower, void_upper):
-                continue
-            if alone:
-                n = _near(low, high, x, grid, steps, shape, cell, l2, near)
-            if _covered_by(low, high, x, near, n, l2):
-                continue
-            if in_zone and _mirror_covered(low, high, zones, x, grid, steps, shape, cell, l2, mirror):
-                continue
-            kept += 1
-    return out[:kept].copy()
+                high[a] = low[a] + new_side
+            needed = True
+            if square:
+                for a in range(3):
+                    low[a], high[a] = max(low[a], limits[0, a]), min(high[a], limits[1, a])
+                    needed &= low[a] < high[a]
+                m0, m1, m2 = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])
+                n = _near(m0, m1, m2, x, grid, steps, shape, cell, l2, near) if needed else 0
+            if whole or square:
+                needed = needed and not _covered(low, high, x, near, n, l2)
+            else:
+                needed = _needed(low, high, root[v], roots, placed, near, corner, scratch)
+            if needed:
+                out_root[kept] = root[v]
+                kept += 1
+    return out[:kept].copy(), out_root[:kept].copy()

@@ -14,7 +14,7 @@ from equilibrium.models import beam
 from fissura.case import Field
 from fissura.errors import InputError
 from fissura.material import field_from_case
-from fissura.specimen import specimen_from_case
+from fissura.specimen import domain_from_case
 from fissura.tessellation import nuclei_from_case
 
 #: Two points 6 mm apart, and one far from them.
@@ -133,8 +133,8 @@ def test_short_correlation_is_independence():
 def test_seeds():
     """The seed of the case unless the field has its own; nuclei do not notice the field."""
     plain, other = beam(seed=4), beam(seed=4, field={"length": 0.02})
-    box = specimen_from_case(plain)
-    np.testing.assert_array_equal(nuclei_from_case(plain, box).x, nuclei_from_case(other, box).x)
+    domain = domain_from_case(plain)
+    np.testing.assert_array_equal(nuclei_from_case(plain, domain).x, nuclei_from_case(other, domain).x)
     by_case = field_from_case(other)
     np.testing.assert_array_equal(by_case.strength(X), field_from_case(other).strength(X))
     fixed = beam(seed=9, field={"length": 0.02, "seed": 4})

@@ -16,6 +16,7 @@ from fissura.material.field.expansion import Expansion, expand
 from fissura.material.field.grid import Accuracy
 from fissura.material.field.marginal import Marginal, marginal_named
 from fissura.memory import within_memory
+from fissura.specimen import domain_from_case
 
 if TYPE_CHECKING:
     from fissura.case import Case, Field
@@ -116,21 +117,29 @@ def field_from_case(case: Case) -> RandomField | None:
 def _realised(part: Field, case: Case) -> RandomField:
     marginal = _marginal(part)
     seed = case.seed if part.seed is None else part.seed
-    expansion = _expanded(part.correlation, part.length, part.nu, case.specimen.size, part.variance_error, part.spacing)
+    bounds = domain_from_case(case).bounds
+    low, (length, depth, thickness) = bounds[0], (bounds[1] - bounds[0]).tolist()
+    size = (length, depth, thickness)
+    expansion = _expanded(part.correlation, part.length, part.nu, size, part.variance_error, part.spacing)
     modes = expansion.accuracy.modes
     if len(part.leading) > modes:
         raise InputError("field.leading", f"{len(part.leading)} values, but the field has {modes} modes", "fewer")
     first, second = (np.random.default_rng(s) for s in np.random.SeedSequence(seed, spawn_key=(0,)).spawn(2))
     xi = first.standard_normal(modes)
     xi[expansion.leading(len(part.leading))] = part.leading
-    gaussian = expansion.realisation(xi)
+    gaussian = _moved(expansion.realisation(xi), low)
     if part.energy is None:
         return RandomField(gaussian, marginal, expansion.accuracy, seed)
     own = part.energy
     rho = own.cross_correlation
     mixed = rho * xi + np.sqrt(1.0 - rho * rho) * second.standard_normal(modes)
     energy = marginal_named(own.marginal, own.cov, "field.energy", shape=own.shape, graft=own.graft, lower=own.lower)
-    return RandomField(gaussian, marginal, expansion.accuracy, seed, expansion.realisation(mixed), energy)
+    return RandomField(gaussian, marginal, expansion.accuracy, seed, _moved(expansion.realisation(mixed), low), energy)
+
+
+def _moved(gaussian: Callable[[FloatArray], FloatArray], low: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """A field over ``[low, low + size]`` from one over ``[0, size]``."""
+    return lambda x: gaussian(x - low)
 
 
 def _marginal(part: Field) -> Marginal:

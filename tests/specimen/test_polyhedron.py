@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fissura.tessellation.polyhedron import TOO_SHORT, UNCUT, box, cut, farthest, following
+from fissura.specimen.polyhedron import TOO_SHORT, UNCUT, box, cut, farthest, following
 
 ROOM = 256
 

@@ -1,0 +1,232 @@
+"""Shapes of specimens, and what is taken away from them, as a case gives them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from fissura.case.lengths import UNIT, NewSurface, Pair, in_unit
+from fissura.case.part import Part
+from fissura.case.types import Axis, File, Length, Point, PositiveLength, Size, StepLength, as_tuple, fail, listed
+from fissura.case.units import show
+
+__all__ = ["Block", "Bore", "Corner", "Cylinder", "Outline", "Prism", "Specimen", "Void", "Voids"]
+
+#: Most entries of an outline; each of them becomes a cell or more.
+MOST_CORNERS = 2000
+
+
+class Corner(Part):
+    """Corner of an outline, and how the side that ends there comes to it."""
+
+    to: Pair = Field(description="two lengths")
+    radius: Length | None = Field(default=None, description="a length, positive where the arc bulges outwards")
+
+    @model_validator(mode="after")
+    def _round(self) -> Self:
+        if self.radius == 0.0:
+            fail(
+                "is zero",
+                "a length, positive where the arc bulges outwards, negative where it bulges inwards",
+                "radius",
+            )
+        return self
+
+
+def _corners(value: Any) -> Any:
+    """Take a list of two lengths as a corner."""
+    allowed = "a list of corners [x, y] and arcs { to = [x, y], radius = r }"
+    value = listed(value)
+    if not isinstance(value, list):
+        fail(f"{show(value)} is not a list", allowed)
+    if len(value) < 3:
+        fail(f"the list has {len(value)} entries", f"{allowed}, three or more")
+    if len(value) > MOST_CORNERS:
+        fail(
+            f"the list has {len(value)} entries", f"at most {MOST_CORNERS}; arcs can be given as arcs, anything as mesh"
+        )
+    out: list[Any] = []
+    for k, item in enumerate(value):
+        pair = listed(item)
+        if isinstance(pair, list):
+            if len(pair) != 2:
+                fail(
+                    f"the list has {len(pair)} entries", "a corner [x, y], or an arc { to = [x, y], radius = r }", (k,)
+                )
+            out.append({"to": pair})
+        else:
+            out.append(item)
+    return tuple(out)
+
+
+Outline = Annotated[tuple[Corner, ...], BeforeValidator(_corners)]
+
+
+class Cylinder(Part):
+    """Cylinder whose axis goes through the origin, from there along its axis."""
+
+    diameter: PositiveLength = Field(description='a length such as "150 mm"')
+    length: PositiveLength = Field(description='a length such as "300 mm"')
+    axis: Axis = "z"
+
+
+class Specimen(Part):
+    """Body of material: a box that occupies ``[0, size]``, an extruded outline, a cylinder, or a mesh."""
+
+    shape: str = Field(default="", description="the name of a shape")
+    unit: None = Field(default=None, exclude=True, description=UNIT)
+    size: Size | None = Field(
+        default=None, description='three lengths [length x, depth y, thickness z], each such as "50 mm"'
+    )
+    outline: Outline | None = Field(default=None, description="a list of corners [x, y]")
+    names: tuple[NewSurface, ...] | None = Field(default=None, description="a list of names, one for each side")
+    thickness: PositiveLength | None = Field(default=None, description='a length such as "100 mm"')
+    cylinder: Cylinder | None = Field(default=None, description="a table with diameter and length")
+    mesh: File | None = Field(default=None, description="a file with tetrahedra")
+    scale: StepLength = Field(default=1.0, description="length of the mesh's unit in m; unit gives it")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_unit(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and "mesh" in data and "unit" in data and "scale" not in data:
+            data = {**data, "scale": 1.0}
+        return in_unit(data, "size", "outline", "thickness", "cylinder", "scale")
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Self:
+        kinds = {"box": self.size, "outline": self.outline, "cylinder": self.cylinder, "mesh": self.mesh}
+        given = [kind for kind, value in kinds.items() if value is not None]
+        keys = {"box": "size"}
+        description = 'three lengths [length x, depth y, thickness z], each such as "50 mm"'
+        if not given:
+            fail("missing", f"{description}; or instead of it outline and thickness, cylinder, or mesh", "size")
+        if len(given) > 1:
+            first, second = (keys.get(kind, kind) for kind in given[:2])
+            fail(f"is given together with {first}", "one of size, outline, cylinder, mesh", second)
+        kind = given[0]
+        if self.shape and self.shape != kind:
+            if self.shape not in kinds:
+                fail(f"{show(self.shape)} is not known", ", ".join(sorted(kinds)), "shape")
+            fail(f"{show(self.shape)} goes with {keys.get(self.shape, self.shape)}", f'"{kind}", or nothing', "shape")
+        self.__dict__["shape"] = kind
+        for key in ("names", "thickness"):
+            if getattr(self, key) is not None and kind != "outline":
+                fail("is given without outline", "only with outline", key)
+        if kind == "outline":
+            if self.thickness is None:
+                fail("missing", 'a length such as "100 mm": the outline is extruded by it along z', "thickness")
+            _check_names(self.outline or (), self.names)
+        return self
+
+    @property
+    def largest(self) -> float | None:
+        """Largest dimension [m]; None where only a file knows it."""
+        if self.size is not None:
+            return max(self.size)
+        if self.outline is not None and self.thickness is not None:
+            across = (max(c.to[a] for c in self.outline) - min(c.to[a] for c in self.outline) for a in range(2))
+            return max(*across, self.thickness)
+        return None if self.cylinder is None else max(self.cylinder.diameter, self.cylinder.length)
+
+
+def _check_names(outline: tuple[Corner, ...], names: tuple[str, ...] | None) -> None:
+    if names is not None and len(names) != len(outline):
+        fail(
+            f"the list has {len(names)} entries, the outline {len(outline)} sides",
+            "one name for each side, that from the first corner to the second first",
+            "names",
+        )
+
+
+class Block(Part):
+    """Box-shaped void, its sides along the axes."""
+
+    lower: Point = Field(description="three lengths")
+    upper: Point = Field(description="three lengths")
+
+    @model_validator(mode="after")
+    def _lower_below_upper(self) -> Self:
+        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
+            fail("is not above lower along every axis", "three lengths, each above that of lower", "upper")
+        return self
+
+
+class Bore(Part):
+    """Round hole: through everything along an axis, or from one point to another."""
+
+    diameter: PositiveLength = Field(description='a length such as "60 mm"')
+    through: Point | None = Field(default=None, description="three lengths, a point of its axis")
+    axis: Axis | None = Field(default=None, description='"x", "y" or "z"')
+    start: Point | None = Field(default=None, description="three lengths, the middle of one end")
+    end: Point | None = Field(default=None, description="three lengths, the middle of the other end")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.through is not None:
+            for key in ("start", "end"):
+                if getattr(self, key) is not None:
+                    fail("is given together with through", "through and axis, or start and end", key)
+            if self.axis is None:
+                self.__dict__["axis"] = "z"
+        else:
+            if self.axis is not None:
+                fail("is given without through", "through and axis, or start and end", "axis")
+            for key in ("start", "end"):
+                if getattr(self, key) is None:
+                    missing = "through" if self.start is None and self.end is None else key
+                    fail("missing", "three lengths: through = a point of the axis, or start and end", missing)
+            if self.start is not None and self.end is not None and math.dist(self.start, self.end) == 0.0:
+                fail("is the same as start", "another point", "end")
+        return self
+
+
+class Prism(Part):
+    """Prism-shaped void: an outline across an axis, through everything or between two coordinates."""
+
+    corners: Outline = Field(description="a list of corners, the two coordinates across the axis")
+    axis: Axis = "z"
+    lower: Length | None = Field(default=None, description="a length: where it begins along the axis")
+    upper: Length | None = Field(default=None, description="a length: where it ends along the axis")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.lower is not None and self.upper is not None and self.lower >= self.upper:
+            fail(f"{self.upper:g} m is not above lower", f"more than {self.lower:g} m", "upper")
+        return self
+
+
+def _prism(value: Any) -> Any:
+    """Take a list of corners as an outline along z through everything."""
+    return {"corners": value} if isinstance(listed(value), list) else value
+
+
+class Void(Part):
+    """What is taken away from the specimen."""
+
+    name: NewSurface = "hole"
+    unit: None = Field(default=None, exclude=True, description=UNIT)
+    box: Block | None = Field(default=None, description="a table with lower and upper")
+    cylinder: Bore | None = Field(default=None, description="a table with diameter, and through, or start and end")
+    outline: Annotated[Prism, BeforeValidator(_prism)] | None = Field(
+        default=None, description="a list of corners, or a table with corners, axis, lower, upper"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_unit(cls, data: Any) -> Any:
+        return in_unit(data, "box", "cylinder", "outline")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        given = [kind for kind in ("box", "cylinder", "outline") if getattr(self, kind) is not None]
+        if not given:
+            fail("missing", "a table; or cylinder, or outline", "box")
+        if len(given) > 1:
+            fail(f"is given together with {given[0]}", "one of box, cylinder, outline in each table", given[1])
+        return self
+
+
+Voids = Annotated[tuple[Void, ...], BeforeValidator(as_tuple)]

@@ -1,0 +1,87 @@
+"""Tetrahedra of surfaces and models of other programs, made by gmsh where the user has installed it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+
+__all__ = ["tetrahedra_of"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+#: Most triangles of a surface.
+MOST_TRIANGLES = 100_000
+
+_BYTES = 50  # of a triangle in a binary STL file
+_ROUND = 24  # sides of a circle
+
+
+def tetrahedra_of(path: Path, key: str, l_f: float) -> tuple[FloatArray, IntArray, dict[tuple[int, int, int], str]]:
+    """Mesh a closed surface or a model, coarsely.
+
+    gmsh is not a dependency: its licence is the GPL, and nothing but files of surfaces needs it.
+
+    Parameters
+    ----------
+    path : Path
+        STL, STEP, BREP or IGES.
+    key : str
+        Where the file is named in the case.
+    l_f : float
+        Spacing of fine nuclei, in the unit of the file: elements need not be smaller.
+
+    Returns
+    -------
+    points : (v, 3) array
+        Corners, in the unit of the file.
+    tetrahedra : (K, 4) array
+        Numbers of the corners.
+    names : dict
+        Names of triangles by their corners; none, since such files name nothing.
+
+    Raises
+    ------
+    InputError
+        The surface is not closed, has too many triangles, or gmsh cannot mesh it.
+    """
+    allowed = "a closed surface of few triangles, or a mesh of tetrahedra"
+    try:
+        import gmsh
+
+        gmsh.initialize(interruptible=False)
+    except (ImportError, OSError, AttributeError) as error:  # a library of the system is missing
+        raise InputError(key, f"gmsh is installed but does not start: {error}", "a mesh of tetrahedra") from None
+    if path.suffix.lower() == ".stl" and path.stat().st_size > _BYTES * 6 * MOST_TRIANGLES:
+        raise InputError(key, f"{path.name} has more than {MOST_TRIANGLES} triangles", allowed)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.MeshSizeMin", l_f)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _ROUND)
+        gmsh.merge(str(path))
+        surfaces = [tag for _, tag in gmsh.model.getEntities(2)]
+        if path.suffix.lower() in (".stl", ".obj", ".off", ".ply"):
+            triangles = sum(len(gmsh.model.mesh.getElements(2, tag)[1][0]) for tag in surfaces)
+            if triangles > MOST_TRIANGLES:
+                raise InputError(key, f"{path.name} has {triangles} triangles", f"at most {MOST_TRIANGLES}")
+            loop = gmsh.model.geo.addSurfaceLoop(surfaces)
+            gmsh.model.geo.addVolume([loop])
+            gmsh.model.geo.synchronize()
+        gmsh.model.mesh.generate(3)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        _, corners = gmsh.model.mesh.getElementsByType(4)
+    except InputError:
+        raise
+    except Exception as error:  # gmsh raises plain exceptions
+        raise InputError(key, f"gmsh cannot mesh {path.name}: {' '.join(str(error).split())[:100]}", allowed) from None
+    finally:
+        gmsh.finalize()
+    if not len(corners):
+        raise InputError(key, f"gmsh found no volume in {path.name}: its surface may have holes", allowed)
+    number = np.zeros(int(tags.max()) + 1, np.int64)
+    number[tags.astype(np.int64)] = np.arange(len(tags))
+    return coordinates.reshape(-1, 3), number[corners.astype(np.int64)].reshape(-1, 4), {}

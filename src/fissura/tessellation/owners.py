@@ -1,0 +1,54 @@
+"""Which body owns a point of the specimen."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+__all__ = ["Bodies", "owners"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class Bodies(Protocol):
+    """What has a nucleus for every body: a tessellation, or all nuclei of a specimen."""
+
+    @property
+    def x(self) -> FloatArray:
+        """Nuclei [m], shape (n, 3)."""
+
+    def inside(self, cell: int) -> IntArray | None:
+        """Bodies that may own points in a convex cell of the specimen; None where all may."""
+
+    def __len__(self) -> int: ...
+
+
+def owners(bodies: Bodies, points: FloatArray, cells: IntArray) -> IntArray:
+    """Body that owns each point: of those that may own points in its convex cell, the one with the nearest nucleus.
+
+    Parameters
+    ----------
+    bodies : Tessellation or Nuclei
+        The bodies.
+    points : (k, 3) array
+        Points of the specimen [m].
+    cells : (k,) array
+        The convex cell in which each of them lies.
+
+    Returns
+    -------
+    (k,) array
+        Index of the body.
+    """
+    out = np.empty(len(points), np.int64)
+    for cell in np.unique(cells):
+        here, there = cells == cell, bodies.inside(int(cell))
+        if there is None:
+            out[here] = cKDTree(bodies.x).query(points[here])[1]
+        else:
+            out[here] = there[cKDTree(bodies.x[there]).query(points[here])[1]]
+    return out
