@@ -1,4 +1,4 @@
-"""Placement, selection and tessellation up to 100 000 bodies, and tessellation again after a small change.
+"""Placement, selection and tessellation up to 100 000 bodies, of other shapes, and again after a small change.
 
 Cubes at full resolution with 10 mm between nuclei; only their size changes from row to row. Cells are compared with
 those of other codes on identical nuclei: Qhull (scipy), nuclei near the surface being reflected in it, and Voro++
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from itertools import chain
 from typing import Any
 
@@ -16,10 +17,13 @@ import numpy as np
 from scipy.spatial import Voronoi
 
 from common import Check, Report, cpu_time, main, options, say, table
-from fissura.case import Notch as NotchPart
-from fissura.specimen import Box
-from fissura.specimen.notch import notch_from_part
-from fissura.tessellation import Nuclei, Tessellation, discretize, mirror_zones, select, voronoi
+from fissura.case.shape import Corner
+from fissura.specimen import Domain, Solid
+from fissura.specimen.notches import Slot, cut_notches
+from fissura.specimen.shapes.box import box
+from fissura.specimen.shapes.cylinder import cylinder
+from fissura.specimen.shapes.outline import extruded
+from fissura.tessellation import Nuclei, Tessellation, clipped, discretize, select, voronoi
 from fissura.tessellation.polygon import areas_and_centroids
 from fissura.tessellation.voronoi import voronoi_cells
 
@@ -37,6 +41,8 @@ EDGES_AGAIN = {6000: 0.195, 20_000: 0.295}
 CHANGE, REPEATS = 0.01, 7
 #: Most growth of the time per body from 10 000 bodies to the most, and least gain by reuse with 20 000 bodies.
 GROWTH, GAIN = 1.5, 8.0
+#: Number of bodies of other shapes, and how often times are taken there, by turns.
+BODIES, TURNS = 6000, 7
 
 TEXT = f"""\
 Cubes with {1e3 * SPACING:g} mm between nuclei, processor times in seconds, one thread. *Selection* takes every nucleus
@@ -58,6 +64,12 @@ the same bit for bit, which is checked. Notched: with a saw cut 4 mm wide, a thi
 that had to be made anew. Selection is included in both times.
 """
 
+SHAPES_TEXT = f"""\
+Shapes with some {BODIES} bodies each, medians of {TURNS} by turns. *Convex cells*: of the specimen. *Pieces*: of a body
+in these, on average. *Over a box*: tessellation of a body, relative to one of a box. Outlines and the cylinder have
+round sides.
+"""
+
 #: Coarse spacing over fine spacing where a selection is timed.
 RATIO = 4.0
 
@@ -66,37 +78,100 @@ def produce(found: argparse.Namespace) -> Report:
     seed = found.seeds[0]
     _row(seed, 0.05)  # compiled kernels are not part of what is measured
     rows = [_row(seed, edge) for edge in EDGES.values()]
+    shapes = _shapes(seed)
     again = [_again(seed, edge, notched) for edge in EDGES_AGAIN.values() for notched in (False, True)]
-    return Report("tessellation", [*rows, *again], _markdown(rows, again), _checks(rows, again))
+    return Report(
+        "tessellation", [*rows, *shapes, *again], _markdown(rows, shapes, again), _checks(rows, shapes, again)
+    )
 
 
-def _placed(box: Box, seed: int) -> Nuclei:
-    return Nuclei.placed(box, SPACING, mirror_zones(box, SPACING), np.random.default_rng(seed))
+def _placed(domain: Domain, seed: int, spacing: float = SPACING) -> Nuclei:
+    return Nuclei.placed(domain.complex, spacing, np.random.default_rng(seed))
+
+
+def _notched(solid: Solid, at: Any, depth: float, width: float = 0.0) -> Domain:
+    """A specimen with a notch upwards from a point of its bottom, across z."""
+    slot = Slot(np.asarray(at, float), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]), depth, width)
+    notches = cut_notches(solid, [slot])
+    return Domain(*solid.build(), notches=notches)
+
+
+def _dog_bone() -> Domain:
+    c = 0.04 * np.sin(np.pi / 3)
+    corners = [
+        *([-0.05, 0], [0.05, 0], [0.05, 0.06], {"to": [0.03, 0.06 + c], "radius": -0.04}, [0.03, 0.14 - c]),
+        *({"to": [0.05, 0.14], "radius": -0.04}, [0.05, 0.2], [-0.05, 0.2], [-0.05, 0.14]),
+        *({"to": [-0.03, 0.14 - c], "radius": -0.04}, [-0.03, 0.06 + c], {"to": [-0.05, 0.06], "radius": -0.04}),
+    ]
+    return _outline(corners, 0.1)
+
+
+def _outline(points: Any, thickness: float) -> Domain:
+    corners = [Corner.model_validate(p if isinstance(p, dict) else {"to": p}) for p in points]
+    return Domain(*extruded(corners, thickness, None, SPACING).build())
+
+
+#: Other shapes, and the most that a body may cost over one of a box.
+SHAPES: dict[str, tuple[Callable[[], Domain], float | None]] = {
+    "box": (lambda: Domain(*box((0.35, 0.1, 0.05)).build()), None),
+    "notched beam": (lambda: _notched(box((0.35, 0.1, 0.05)), (0.175, 0.0, 0.025), 0.05), 1.5),
+    "beam with a saw cut": (lambda: _notched(box((0.35, 0.1, 0.05)), (0.175, 0.0, 0.025), 0.05, 0.004), 1.5),
+    "L-panel": (
+        lambda: _outline([[0, 0], [0.25, 0], [0.25, 0.25], [0.5, 0.25], [0.5, 0.5], [0, 0.5]], 0.1),
+        2.0,
+    ),
+    "dog-bone": (_dog_bone, 2.0),
+    "cylinder": (lambda: Domain(*cylinder(0.15, 0.3, 1, SPACING).build()), 2.0),
+}
+
+
+def _shapes(seed: int) -> list[dict[str, Any]]:
+    domains = {name: make() for name, (make, _) in SHAPES.items()}
+    nuclei = {
+        name: _placed(domain, seed, (0.8 * domain.volume / BODIES) ** (1 / 3)) for name, domain in domains.items()
+    }
+    times: dict[str, list[float]] = {name: [] for name in SHAPES}
+    for _ in range(TURNS):
+        for name, domain in domains.items():
+            zero = np.zeros(len(nuclei[name]))
+            times[name].append(cpu_time(lambda d=domain, n=nuclei[name], z=zero: discretize(n, d, z))[1])
+    rows = []
+    for name, domain in domains.items():
+        found = discretize(nuclei[name], domain, np.zeros(len(nuclei[name])))
+        pieces = 1.0 if found.pieces is None else len(found.pieces) / len(found)
+        per_body = 1e6 * float(np.median(times[name])) / len(found)
+        row = {"shape": name, "bodies": len(found), "cells": len(domain.complex.low), "pieces": pieces}
+        rows.append(row | {"per_body_us": per_body, "over_box": per_body / rows[0]["per_body_us"] if rows else 1.0})
+    return rows
 
 
 def _row(seed: int, edge: float) -> dict[str, Any]:
-    box = Box((edge,) * 3)
-    nuclei, placement = cpu_time(lambda: _placed(box, seed))
+    size = (edge,) * 3
+    domain = Domain(*box(size).build())
+    nuclei, placement = cpu_time(lambda: _placed(domain, seed))
     n = len(nuclei)
     say(f"{n} bodies")
     repeats = 3 if n < 50_000 else 1
     _, fine = cpu_time(lambda: select(nuclei, np.zeros(n)), 3)
     _, coarse = cpu_time(lambda: select(nuclei, np.full(n, RATIO * SPACING)), 3)
     spacing = np.full(n, SPACING)
-    cells, own = cpu_time(lambda: voronoi_cells(nuclei.x, box.size, spacing), 3)
-    _, whole = cpu_time(lambda: discretize(nuclei, box, np.zeros(n)), 3)
+    surfaces = len(domain.surfaces)
+    cells, own = cpu_time(lambda: voronoi_cells(nuclei.x, nuclei.home, domain.complex, surfaces, spacing), 3)
+    _, whole = cpu_time(lambda: discretize(nuclei, domain, np.zeros(n)), 3)
     row = {"bodies": n, "placement_s": placement, "select_fine_s": fine, "select_coarse_s": coarse, "cells_s": own}
     row |= {"tessellation_s": whole, "per_body_us": 1e6 * whole / n}
-    reference = _Areas(nuclei.x, box.size, cells.pairs, cells.area, *_sums_of(cells))
+    inner = cells.bodies.inner
+    pairs = np.stack([inner.body, inner.other], axis=1)
+    reference = _Areas(nuclei.x, size, pairs, inner.area, *_sums_of(cells))
     row["exact_own"] = reference.exactness()
-    (pairs, offsets, points), row["qhull_s"] = cpu_time(lambda: _qhull(nuclei.x, box.size), repeats)
-    row["exact_qhull"] = _from_polygons(nuclei.x, box.size, pairs, offsets, points).exactness(reference)
+    (pairs, offsets, points), row["qhull_s"] = cpu_time(lambda: _qhull(nuclei.x, size), repeats)
+    row["exact_qhull"] = _from_polygons(nuclei.x, size, pairs, offsets, points).exactness(reference)
     if compute_voronoi is not None:
-        limits = np.array([np.zeros(3), box.size])
+        limits = np.array([np.zeros(3), size])
         found, row["multivoro_s"] = cpu_time(
             lambda: compute_voronoi(nuclei.x, limits=limits, radii=np.ones(n)), repeats
         )
-        row["exact_multivoro"] = _from_multivoro(nuclei.x, box.size, found).exactness(reference)
+        row["exact_multivoro"] = _from_multivoro(nuclei.x, size, found).exactness(reference)
     return row
 
 
@@ -132,12 +207,11 @@ def _closed(x: Any, pairs: Any, vectors: Any, centroids: Any) -> tuple[float, An
 
 
 def _sums_of(cells: voronoi.Cells) -> tuple[float, Any]:
-    inner = areas_and_centroids(cells.facets.points, cells.facets.offsets)
-    outer = areas_and_centroids(cells.surface.points, cells.surface.offsets)
-    surface = np.stack([cells.surface_body, np.full(len(cells.surface_body), -1)], axis=1)
-    return _closed(
-        cells.x, np.concatenate([cells.pairs, surface]), *map(np.concatenate, zip(inner, outer, strict=True))
-    )
+    inner, outer = cells.bodies.inner, cells.bodies.outer
+    pairs = np.stack([inner.body, inner.other], axis=1)
+    surface = np.stack([outer.body, np.full(len(outer.body), -1)], axis=1)
+    found = [areas_and_centroids(facets.polygons.points, facets.polygons.offsets) for facets in (inner, outer)]
+    return _closed(cells.x, np.concatenate([pairs, surface]), *map(np.concatenate, zip(*found, strict=True)))
 
 
 def _from_polygons(x: Any, size: Any, pairs: Any, offsets: Any, points: Any) -> _Areas:
@@ -189,9 +263,9 @@ def _from_multivoro(x: Any, size: Any, found: Any) -> _Areas:
 
 
 def _again(seed: int, edge: float, notched: bool) -> dict[str, Any]:
-    part = NotchPart.model_validate({"position": 0.5 * edge, "depth": edge / 3.0, "width": 0.004})
-    box = Box((edge,) * 3, (notch_from_part(part, (edge,) * 3, "notch"),) if notched else ())
-    nuclei = _placed(box, seed)
+    solid, middle = box((edge,) * 3), (0.5 * edge, 0.0, 0.5 * edge)
+    domain = _notched(solid, middle, edge / 3.0, 0.004) if notched else Domain(*solid.build())
+    nuclei = _placed(domain, seed)
     n = len(nuclei)
     say(f"{n} bodies again")
     # The coarse ball lies clear of the notch.
@@ -202,31 +276,34 @@ def _again(seed: int, edge: float, notched: bool) -> dict[str, Any]:
         came = n - len(select(nuclei, spacing)[0])
         if came >= CHANGE * n:
             break
-    previous = discretize(nuclei, box, spacing)
-    clipped: list[int] = []
-    clip = voronoi.clip_cells
+    previous = discretize(nuclei, domain, spacing)
+    done: list[int] = []
+    clip = clipped.clip_bodies
 
     def watched(todo: Any, *rest: Any) -> Any:
-        clipped.append(len(todo))
+        done.append(len(todo))
         return clip(todo, *rest)
 
-    voronoi.clip_cells = watched
-    again = discretize(nuclei, box, whole, previous)
-    voronoi.clip_cells = clip
-    scratch = discretize(nuclei, box, whole)
+    clipped.clip_bodies = watched
+    again = discretize(nuclei, domain, whole, previous)
+    clipped.clip_bodies = clip
+    scratch = discretize(nuclei, domain, whole)
     if not _identical(again, scratch):
         raise AssertionError("tessellating again gives something else")
     times = np.array(
         [
             [
                 cpu_time(call)[1]
-                for call in (lambda: discretize(nuclei, box, whole), lambda: discretize(nuclei, box, whole, previous))
+                for call in (
+                    lambda: discretize(nuclei, domain, whole),
+                    lambda: discretize(nuclei, domain, whole, previous),
+                )
             ]
             for _ in range(REPEATS)
         ]
     )
     anew, reused = map(float, np.median(times, axis=0))
-    row = {"bodies": n, "notched": notched, "came": came, "clipped": clipped[0], "anew_s": anew, "again_s": reused}
+    row = {"bodies": n, "notched": notched, "came": came, "clipped": done[0], "anew_s": anew, "again_s": reused}
     return row | {"gain": anew / reused}
 
 
@@ -250,6 +327,15 @@ COLUMNS = [
     ("multivoro_s", "Voro++", ".2f"),
     ("tessellation_s", "tessellation", ".3f"),
     ("per_body_us", "per body [µs]", ".1f"),
+]
+#: Columns of the table of shapes.
+COLUMNS_SHAPES = [
+    ("shape", "shape", "s"),
+    ("bodies", "bodies", ".0f"),
+    ("cells", "convex cells", ".0f"),
+    ("pieces", "pieces", ".2f"),
+    ("per_body_us", "per body [µs]", ".1f"),
+    ("over_box", "over a box", ".2f"),
 ]
 #: Columns of the table of repeated tessellation.
 COLUMNS_AGAIN = [
@@ -285,19 +371,29 @@ def _exactness(rows: list[dict[str, Any]]) -> str:
     return table(["bodies", "code", "pairs of one only", "areas", "volumes", "closure"], lines)
 
 
-def _markdown(rows: list[dict[str, Any]], again: list[dict[str, Any]]) -> str:
+def _markdown(rows: list[dict[str, Any]], shapes: list[dict[str, Any]], again: list[dict[str, Any]]) -> str:
     parts = ["## Placement and tessellation", TEXT.format(ratio=RATIO)]
     parts += [table([head for _, head, _ in COLUMNS], [_cells(row, COLUMNS) for row in rows]), "", EXACT]
-    parts += [_exactness(rows), "", AGAIN]
+    parts += [_exactness(rows), "", SHAPES_TEXT]
+    parts += [
+        table([head for _, head, _ in COLUMNS_SHAPES], [_cells(row, COLUMNS_SHAPES) for row in shapes]),
+        "",
+        AGAIN,
+    ]
     parts += [table([head for _, head, _ in COLUMNS_AGAIN], [_cells(row, COLUMNS_AGAIN) for row in again])]
     return "\n".join(parts)
 
 
-def _checks(rows: list[dict[str, Any]], again: list[dict[str, Any]]) -> list[Check]:
+def _checks(rows: list[dict[str, Any]], shapes: list[dict[str, Any]], again: list[dict[str, Any]]) -> list[Check]:
     growth = rows[-1]["per_body_us"] / rows[1]["per_body_us"]
     gain = next(row["gain"] for row in again[::-1] if not row["notched"])
     return [
         Check("time per body, most bodies over 10 000", growth, GROWTH),
+        *(
+            Check(f"time per body, {row['shape']} over box", row["over_box"], limit)
+            for row in shapes
+            if (limit := SHAPES[row["shape"]][1]) is not None
+        ),
         Check("tessellation again over from scratch, 20 000 bodies", gain, GAIN, at_least=True),
     ]
 
