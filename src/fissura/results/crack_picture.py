@@ -213,7 +213,10 @@ def _panels(figure: Figure, whole: FloatArray, zoom: FloatArray, beside: bool) -
     """Panels below each other for a long specimen, side by side for a compact one."""
     if beside:
         widths = (_aspect(whole), _aspect(zoom) * 1.18)
-        figure.set_size_inches(WIDE, np.clip((WIDE - 2.0) / sum(widths), 2.5, 6.5) + 0.9)
+        height = np.clip((WIDE - 2.0) / sum(widths), 2.5, 6.5) + 1.1
+        figure.set_size_inches(WIDE, height)
+        # The layout leaves no room for the headline of a panel that is lower than the one beside it.
+        figure.set_layout_engine("constrained", rect=(0.0, 0.0, 1.0, 1.0 - 0.2 / height))
         first, second = figure.subplots(1, 2, width_ratios=widths)
         return first, second
     heights = ((WIDE - 0.9) / _aspect(whole), (WIDE - 2.0) / _aspect(zoom))

@@ -114,7 +114,7 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
         axes.set_axis_off()
     for axes, moment in zip(panels, shown, strict=False):
         Stage(axes, result.case, look).show(moment.frame)
-        _caption(axes, f"{moment.letter}  {moment.name}", moment.frame, look)
+        _caption(axes, f"{moment.letter}  {moment.name}", moment.frame, narrow=_narrow(look, columns))
     curve, scale = lower.subplots(1, 2, width_ratios=(2.6, 1.0))
     draw_curve(curve, result)
     mark_moments(curve, result, shown)
@@ -154,12 +154,12 @@ def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
     for row, (moment, other) in enumerate(zip(shown, others, strict=True)):
         for axes, result, frame in zip(panels[row], (a, b), (moment.frame, other), strict=True):
             Stage(axes, result.case, look, thin=0.7).show(frame)
-            _caption(axes, f"{moment.letter}  {moment.name}" if result is a else "", frame, look)
+            _caption(axes, f"{moment.letter}  {moment.name}" if result is a else "", frame, narrow=_narrow(look, 2))
     for axes, name in zip(panels[0], _titles(a, b), strict=True):
         title = axes.annotate(
             literal(name),
             (0, 1),
-            xytext=(0, 36 if TALL * look.aspect < NARROW else 26),
+            xytext=(0, 36 if _narrow(look, 2) else 26),
             xycoords="axes fraction",
             textcoords="offset points",
             fontsize=12,
@@ -203,9 +203,13 @@ def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
         )
 
 
-def _caption(axes: Axes, name: str, frame: Frame, look: Look) -> None:
+def _narrow(look: Look, columns: int) -> bool:
+    """Whether captions of panels take two lines, of which there are so many beside each other."""
+    return min(WIDE / columns, TALL * look.aspect) < NARROW
+
+
+def _caption(axes: Axes, name: str, frame: Frame, *, narrow: bool) -> None:
     """Name of a moment and numbers of its state: in one line, or below each other where a panel is narrow."""
-    narrow = TALL * look.aspect < NARROW
     note = f"{text.length(frame.value)}, {text.force(frame.load)}, {text.count(frame.bodies)} bodies"
     may_shrink(axes.set_title(name, loc="left", fontsize=10, fontweight="bold", color=INK, pad=18 if narrow else None))
     if not narrow:
