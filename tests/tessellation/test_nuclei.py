@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fissura.errors import InputError
 from fissura.specimen import domain_from_case
-from fissura.tessellation import nuclei_from_case
+from fissura.tessellation import discretize, nuclei_from_case
 from fissura.tessellation.nuclei import read_nuclei
 
 KEY = "discretization.nuclei"
@@ -250,6 +250,19 @@ def test_nuclei_may_lie_anywhere_at_a_notch(tmp_path, small_case):
     nuclei = placed(saved(tmp_path, small_case, x))
     assert_array_equal(nuclei.x[:3], x)
     assert nuclei.given == 3
+
+
+def test_regular_nuclei_on_open_faces(tmp_path, small_case):
+    """On the level of the tip, and in the plane of the notch ahead of it."""
+    axes = [np.arange(0.01, 0.12, 0.01), [0.01, 0.02, 0.03, 0.04, 0.05], [0.005, 0.015, 0.025, 0.035]]
+    x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    x = x[(np.abs(x[:, 0] - 0.06) > 1e-3) | (x[:, 1] > 0.031)]
+    case = saved(tmp_path, small_case, x)
+    nuclei = placed(case)
+    assert_array_equal(nuclei.x[: len(x)], x)
+    domain = domain_from_case(case)
+    t = discretize(nuclei, domain, np.zeros(len(nuclei)))
+    assert_allclose(t.volume.sum(), domain.volume, rtol=1e-10)
 
 
 @pytest.mark.parametrize("notch", [{}, {"width": 0.004}, None])

@@ -196,11 +196,11 @@ def clip_bodies(todo, x, home, cx, tables, guess, grid, rules, points):  # type:
     room = most_corners + 64
     work, (whole, rows) = work_arrays(room), corner_scratch()
     corner, known = np.empty((room, 3)), np.empty(room, np.bool_)
-    # A polygon has fewer corners than the piece, and clipping adds one each time.
+    # A polygon has fewer corners than the piece, and clipping adds one each time, or more where round-off has a say.
     most_edges = 0
     for part in range(len(cx.part_to)):
         most_edges = max(most_edges, cx.edge_start[part + 1] - cx.edge_start[part])
-    rooms = np.empty((4, room + most_edges + 64, 3))
+    rooms = np.empty((4, 2 * (room + most_edges + 64), 3))
     near = (np.empty(256), np.empty(256, np.int64))
     planes, at = np.empty(most_planes + 64, np.int64), np.empty(most_planes + 64, np.int64)
     doors = (np.empty(most_planes, np.int64), np.empty(most_planes, np.int64), np.empty(most_planes))
@@ -239,7 +239,8 @@ def clip_bodies(todo, x, home, cx, tables, guess, grid, rules, points):  # type:
             if count > len(known):
                 room = len(work[1])
                 corner, known = np.empty((room, 3)), np.empty(room, np.bool_)
-                rooms = np.empty((4, room + most_edges + 64, 3))
+            if 2 * (count + most_edges + n_passed) > rooms.shape[1]:
+                rooms = np.empty((4, 4 * (count + most_edges + n_passed), 3))
             if n_planes > len(at):
                 at = np.empty(len(planes), np.int64)
             for f in range(n_planes):

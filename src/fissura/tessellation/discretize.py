@@ -86,12 +86,12 @@ def _check_volume(found: float, complex_: Complex) -> None:
         A part of the specimen has no nucleus.
     """
     whole = volume_of(complex_)
-    slivers = _flattest(complex_) < _SLIVER
-    if abs(found - whole) > (_LOST_IN_SLIVERS if slivers else _LOST) * whole:
+    lost = abs(found - whole) / whole
+    if lost > _LOST and (lost > _LOST_IN_SLIVERS or _flattest(complex_) > _SLIVER):
         raise InputError(
             "discretization",
             f"bodies fill {found / whole:.9f} of the specimen's volume",
-            "a finer l_f, or a specimen without parts that are cut off",
+            "finer l_f and l_c, so that every part of the specimen has nuclei on its own side of all notches",
         )
 
 
@@ -145,7 +145,7 @@ def tessellate(
     InputError
         Bodies do not fill the specimen: a part of it has no nucleus.
     ValueError
-        Two nuclei coincide.
+        Two nuclei coincide, or one lies in no convex cell.
     """
     n = len(x)
     fine = np.ones(n, bool) if fine is None else fine

@@ -27,6 +27,7 @@ _MAX_LEVEL = 24
 _REGULAR = 1e-9
 
 _TRIALS_PER_VOXEL = 2.0
+_ON_FACE = 1e-9  # of a voxel's side: a point may lie so far outside of a convex cell
 
 
 def expected_count(size: tuple[float, float, float], spacing: float) -> float:
@@ -83,9 +84,10 @@ def _place(spacing, cell, shape, steps, roots, given, rng, max_level, rate):  # 
                 r = -1
             if not free(p, x, grid, steps, shape, cell, l2_given if v < 0 else l2):
                 continue
+            least = -_ON_FACE * side  # round-off may leave a given nucleus on a face outside of all cells
             if v >= 0:
-                r = root[v]
-            k = holder(p, r, start, cells, begin, end, normal, offset)
+                r, least = root[v], 0.0
+            k = holder(p, r, start, cells, begin, end, normal, offset, least)
             if k < 0:
                 continue
             if n == capacity:

@@ -212,14 +212,13 @@ def free_roots(count: int) -> Roots:
 
 
 @njit(**INNER)
-def holder(p, root, start, cell, begin, end, normal, offset):  # type: ignore[no-untyped-def]
-    """The convex cell that holds a point of a root, -1 for none."""
+def holder(p, root, start, cell, begin, end, normal, offset, least):  # type: ignore[no-untyped-def]
+    """The convex cell in which a point of a root lies deepest, -1 where that is less than a least depth."""
+    out = -1
     for e in range(start[root], start[root + 1]):
-        inside = True
+        deep = np.inf
         for f in range(begin[e], end[e]):
-            if normal[f, 0] * p[0] + normal[f, 1] * p[1] + normal[f, 2] * p[2] >= offset[f]:
-                inside = False
-                break
-        if inside:
-            return cell[e]
-    return -1
+            deep = min(deep, offset[f] - normal[f, 0] * p[0] - normal[f, 1] * p[1] - normal[f, 2] * p[2])
+        if deep > least or (deep == least and out < 0):
+            least, out = deep, cell[e]
+    return out

@@ -98,9 +98,11 @@ def voronoi_cells(
     Raises
     ------
     ValueError
-        Two nuclei coincide.
+        Two nuclei coincide, or one lies in no convex cell.
     """
     x, home = np.ascontiguousarray(x), np.ascontiguousarray(home)
+    if (home < 0).any():
+        raise ValueError("a nucleus lies outside of the specimen")
     nucleus = np.arange(len(x)) if nucleus is None else nucleus
     keys = plane_keys(complex_) if previous is None else previous.keys
     setting = Setting.of(x, home, complex_, keys, spacing, surfaces)
