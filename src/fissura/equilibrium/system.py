@@ -58,6 +58,9 @@ _SPIN_STIFFNESS, _SPIN_STIFFNESS_OF_FEW = 1e-6, 1e-4
 _FEW = 6
 
 
+#: Length at which coarse contacts are asked for their strength, over that of the shortest contact.
+_SHORT = 1e-3
+
 #: Stiffness relative to the elastic one that is the same but for round-off.
 _SAME = 1e-13
 
@@ -153,9 +156,11 @@ class System:
         self.field = field
         scale, ductility = (None, None) if field is None else field.factors(contacts.centroid[self.active])
         self.law: ContactLaw = law.create(material, contacts.length[self.active], scale, ductility)
-        # Coarse contacts have no softening and hence no limit on their length: only their strength is asked for.
+        # Coarse contacts have no softening and hence no limit on their length: only their strength is asked for, which
+        # is the same at a length that every law allows.
+        short = _SHORT * float(contacts.length.min())
         scale = None if field is None else field.strength(contacts.centroid[self._guarded])
-        self.elastic_law: ContactLaw = law.create(material, np.full(len(self._guarded), contacts.length.min()), scale)
+        self.elastic_law: ContactLaw = law.create(material, np.full(len(self._guarded), short), scale)
         self.elastic_scale = 1.0
         self.moduli = self._moduli(1.0)
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
