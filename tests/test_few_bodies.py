@@ -9,6 +9,7 @@ from fissura.check import report
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System
 from fissura.errors import InputError
+from fissura.simulation import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import tessellate
 
@@ -71,3 +72,30 @@ def test_equations_without_contacts_are_refused():
     with pytest.raises(InputError, match="a single body is rigid") as caught:
         System(alone, CONCRETE, CusatisCedolin, conditions_from_case(case, domain))
     assert caught.value.key == "discretization.l_f"
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"discretization": {"l_f": 0.01, "l_c": 0.02}, "specimen": {"size": [0.015] * 3}}, "too soft"),
+        (
+            {
+                "seed": 41,
+                "specimen": {"size": [0.10943456725084795, 0.02803106389722247, 0.03723180937189192]},
+                "material": {"alpha": 0.5245360367155978},
+                "discretization": {"l_f": 0.008, "l_c": 0.032},
+                "adaptivity": {"r_f": 0.03528},
+                "gauge": {"a": {"face": "bottom", "at": 0.02455}, "b": {"face": "bottom", "at": 0.09021}},
+                "control": {"type": "gauge", "target": 1e-5},
+            },
+            "moves the gauge the other way",
+        ),
+    ],
+)
+def test_a_start_that_calibration_cannot_mend_blames_its_spacing(changes, says):
+    """Whatever it does; at full resolution both specimens are as they should be."""
+    case = beam(**{**CUBE, **changes})
+    with pytest.raises(InputError, match=says) as caught:
+        next(Simulation(case).steps())
+    assert caught.value.key == "discretization.l_c"
+    assert next(Simulation(case, full=True).steps()).load > 0.0

@@ -174,16 +174,18 @@ class Simulation:
                 "supports", f"the structure is a mechanism ({error})", "supports that hold all of the specimen"
             ) from error
         self.initial_stiffness = unit.load
-        if self.initial_stiffness < 0.0:
+        if self.initial_stiffness < 0.0 and not (structure.compliance or 0.0) > 0.0:
             raise backward_gauge(system.conditions, self.initial_stiffness)
         if structure.compliance is not None:
             off = self.initial_stiffness * structure.compliance - 1.0
             if abs(off) > _STIFFNESS_ERROR:
-                kind = f"{abs(off):.0%} too {'stiff' if off > 0.0 else 'soft'}"
+                kind = f"is {abs(off):.0%} too {'stiff' if off > 0.0 else 'soft'} against full resolution"
+                if self.initial_stiffness < 0.0:
+                    kind = f"moves the {self.case.quantity} the other way than full resolution does"
                 raise InputError(
                     "discretization.l_c",
-                    f"{self.case.discretization.l_c:g} m: the start is {kind} against full resolution, more than"
-                    " calibration can mend",
+                    f"{self.case.discretization.l_c:g} m: the start {kind}, more than calibration can mend (it has"
+                    f" {self.bodies_start} of {self.bodies_full} bodies)",
                     "a smaller l_c, or a larger adaptivity.r_f (adaptivity.calibrate = false runs it all the same)",
                 )
         rest = system.response(np.zeros(system.size), system.virgin())
