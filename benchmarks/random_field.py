@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.special import log_ndtr, ndtri
 
-import fissura.simulation as simulation_module
+import fissura.structure as structure_module
 from common import Check, Report, changed, cpu_time, example, main, measured, options, say, table
 from fissura.case import Field
 from fissura.material.field import MARGINALS, RandomField, covariance_named, marginal_named
@@ -182,13 +182,13 @@ def _counted(spent: dict[str, float]) -> Any:
 
         return call
 
-    made, transformed = simulation_module.field_from_case, RandomField.strength
-    simulation_module.field_from_case = counting(made, "build")
+    made, transformed = structure_module.field_from_case, RandomField.strength
+    structure_module.field_from_case = counting(made, "build")
     RandomField.strength = counting(transformed, "evaluate")  # type: ignore[method-assign]
     try:
         yield
     finally:
-        simulation_module.field_from_case = made
+        structure_module.field_from_case = made
         RandomField.strength = transformed  # type: ignore[method-assign]
 
 

@@ -78,7 +78,7 @@ def random_specimen(number: int) -> dict[str, Any]:
         data["notch"] = {"face": "bottom", "position": middle, "depth": float(rng.uniform(0.1, 0.5)) * depth}
         if rng.random() < 0.4:
             data["notch"]["width"] = 0.3 * l_f
-    _loaded(data, str(rng.choice(["bent", "pulled", "pressed"])), length, depth)
+    _loaded(data, str(rng.choice(["bent", "pulled", "pressed"])), length)
     opening = min(0.1 * length, 2.0 * l_f) if notched else 0.3 * length
     data["gauge"] = {"a": {"face": "bottom", "at": middle - opening}, "b": {"face": "bottom", "at": middle + opening}}
     kind = str(rng.choice(["gauge", "displacement", "dissipation"]))
@@ -92,7 +92,7 @@ def random_specimen(number: int) -> dict[str, Any]:
     return data
 
 
-def _loaded(data: dict[str, Any], how: str, length: float, depth: float) -> None:
+def _loaded(data: dict[str, Any], how: str, length: float) -> None:
     """Supports and load."""
     if how == "bent":
         ends = ("pin", 0.1 * length), ("roller", 0.9 * length)

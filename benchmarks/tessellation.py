@@ -19,7 +19,8 @@ from scipy.spatial import Voronoi
 from common import Check, Report, cpu_time, main, options, say, table
 from fissura.case.shape import Corner
 from fissura.specimen import Domain, Solid
-from fissura.specimen.notches import Slot, cut_notches
+from fissura.specimen.cutting import cut_notches
+from fissura.specimen.notches import Slot
 from fissura.specimen.shapes.box import box
 from fissura.specimen.shapes.cylinder import cylinder
 from fissura.specimen.shapes.outline import extruded

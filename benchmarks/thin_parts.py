@@ -117,7 +117,7 @@ def _loaded(side: float, seed: int) -> Iterator[tuple[str, System]]:
         load = given.load
         if way != "tension":
             lever = np.cross(np.eye(3)[2 if way == "bending" else 0], arm)
-            load = Functional(load.points, lever / np.sum(lever**2))
+            load = Functional(load.points, lever / np.sum(lever**2), load.cells)
         yield way, _system(case, Conditions(given.supports, load, load))
 
 
