@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from numbers import Real
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from fissura.case.types import Length, Point, fail, listed
+from fissura.case.types import Length, Point, fail, list_of, listed
 from fissura.case.units import LENGTH, show, to_si
 
 __all__ = ["UNIT", "Line", "NewSurface", "Pair", "SurfaceName", "SurfaceNames", "in_unit"]
@@ -18,18 +18,6 @@ UNIT = 'the unit of the plain numbers in this table, such as "mm"'
 
 _LONGEST_NAME = 60
 _NOTCH = "notch"  # as `fissura.specimen.notches` calls what notches leave
-
-
-def _two(what: str) -> Callable[[Any], Any]:
-    def validate(value: Any) -> Any:
-        value = listed(value)
-        if not isinstance(value, list):
-            fail(f"{show(value)} is not a list", f"a list of two {what}")
-        if len(value) != 2:
-            fail(f"the list has {len(value)} entries", f"a list of two {what}")
-        return value
-
-    return validate
 
 
 def _surface(value: Any) -> str:
@@ -96,8 +84,8 @@ def in_unit(data: Any, *keys: str) -> Any:
     return {key: scaled(value) if key in keys else value for key, value in data.items() if key != "unit"}
 
 
-Pair = Annotated[tuple[Length, Length], BeforeValidator(_two("lengths"))]
-Line = Annotated[tuple[Point, Point], BeforeValidator(_two("points"))]
+Pair = Annotated[tuple[Length, Length], BeforeValidator(list_of(2, "lengths"))]
+Line = Annotated[tuple[Point, Point], BeforeValidator(list_of(2, "points"))]
 SurfaceName = Annotated[str, BeforeValidator(_surface)]
 SurfaceNames = Annotated[tuple[SurfaceName, ...], BeforeValidator(_surfaces)]
 NewSurface = Annotated[str, BeforeValidator(_new_surface)]

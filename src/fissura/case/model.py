@@ -169,13 +169,13 @@ class Case(Part):
 
     name: str = "case"
     seed: Count = 1
-    specimen: Specimen = Field(description="a table [specimen] with size")
+    specimen: Specimen = Field(description="a table [specimen] with size, outline, cylinder or mesh")
     minus: Annotated[Voids, at_most(100)] = ()
     notch: Annotated[tuple[Notch, ...], BeforeValidator(as_tuple), at_most(100)] = ()
     supports: Annotated[tuple[Support, ...], BeforeValidator(as_tuple), at_most(50)] = Field(
-        description="at least one table [[supports]] with type and face"
+        description="at least one table [[supports]] with type, and face or on"
     )
-    load: Load = Field(description="a table [load] with face")
+    load: Load = Field(description="a table [load] with face or on")
     material: Material = Field(description="a table [material] with E, alpha, f_t, G_t")
     discretization: Discretization = Field(description="a table [discretization] with l_f")
     adaptivity: Adaptivity = Adaptivity()
@@ -215,7 +215,7 @@ class Case(Part):
     @classmethod
     def _held(cls, value: tuple[Support, ...]) -> tuple[Support, ...]:
         if not value:
-            fail("the list is empty", "at least one table [[supports]] with type and face")
+            fail("the list is empty", "at least one table [[supports]] with type, and face or on")
         return value
 
     @field_validator("adaptivity")

@@ -11,7 +11,13 @@ from fissura.case.part import Part
 from fissura.case.types import Point, PositiveLength, fail
 from fissura.case.units import show
 
-__all__ = ["BallRegion", "BoxRegion", "Region"]
+__all__ = ["BallRegion", "BoxRegion", "Region", "require_volume"]
+
+
+def require_volume(lower: tuple[float, ...], upper: tuple[float, ...]) -> None:
+    """Fail, for the key ``upper``, where corners of a box leave it no volume."""
+    if any(low >= high for low, high in zip(lower, upper, strict=True)):
+        fail("is not above lower along every axis", "three lengths, each above that of lower", "upper")
 
 
 class BallRegion(Part):
@@ -31,8 +37,7 @@ class BoxRegion(Part):
 
     @model_validator(mode="after")
     def _lower_below_upper(self) -> Self:
-        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
-            fail("is not above lower along every axis", "three lengths, each above that of lower", "upper")
+        require_volume(self.lower, self.upper)
         return self
 
 

@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from fissura.case.lengths import UNIT, NewSurface, Pair, in_unit
 from fissura.case.part import Part
+from fissura.case.region import require_volume
 from fissura.case.types import Axis, File, Length, Point, PositiveLength, Size, StepLength, as_tuple, fail, listed
 from fissura.case.units import show
 
@@ -149,8 +150,7 @@ class Block(Part):
 
     @model_validator(mode="after")
     def _lower_below_upper(self) -> Self:
-        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
-            fail("is not above lower along every axis", "three lengths, each above that of lower", "upper")
+        require_volume(self.lower, self.upper)
         return self
 
 

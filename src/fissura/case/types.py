@@ -70,6 +70,7 @@ __all__ = [
     "derived",
     "fail",
     "instead",
+    "list_of",
     "listed",
     "whole",
 ]
@@ -125,20 +126,23 @@ def _flag(value: Any) -> bool:
     return truth
 
 
-def _three(what: str) -> Callable[[Any], Any]:
+def list_of(count: int, what: str) -> Callable[[Any], Any]:
+    """Validator of a list of two or three entries of a kind, for its length."""
+    allowed = f"a list of {'two' if count == 2 else 'three'} {what}"
+
     def validate(value: Any) -> Any:
         value = listed(value)
         if not isinstance(value, list):
-            fail(f"{show(value)} is not a list", f"a list of three {what}")
-        if len(value) != 3:
-            fail(f"the list has {len(value)} entries", f"a list of three {what}")
+            fail(f"{show(value)} is not a list", allowed)
+        if len(value) != count:
+            fail(f"the list has {len(value)} entries", allowed)
         return value
 
     return validate
 
 
 def _unit_vector(value: Any) -> tuple[float, float, float]:
-    numbers = [to_si_or_fail(item) for item in _three("numbers")(value)]
+    numbers = [to_si_or_fail(item) for item in list_of(3, "numbers")(value)]
     if abs(math.hypot(*numbers) - 1.0) < 8e-16:  # a case read again from what it resolved is the same, bit for bit
         return numbers[0], numbers[1], numbers[2]
     largest = max(abs(number) for number in numbers)
@@ -250,8 +254,8 @@ Count = Annotated[int, BeforeValidator(_integer(0))]
 Thousands = Annotated[int, BeforeValidator(_integer(0, 10_000))]
 Iterations = Annotated[int, BeforeValidator(_integer(1, 10_000))]
 Flag = Annotated[bool, BeforeValidator(_flag)]
-Point = Annotated[tuple[Length, Length, Length], BeforeValidator(_three("lengths"))]
-Size = Annotated[tuple[PositiveLength, PositiveLength, PositiveLength], BeforeValidator(_three("lengths"))]
+Point = Annotated[tuple[Length, Length, Length], BeforeValidator(list_of(3, "lengths"))]
+Size = Annotated[tuple[PositiveLength, PositiveLength, PositiveLength], BeforeValidator(list_of(3, "lengths"))]
 CorrelationLength = Annotated[float, BeforeValidator(quantity(LENGTH, CORRELATION))]
 Lengths = Annotated[tuple[CorrelationLength, ...], BeforeValidator(_one_or_three)]
 Gaussians = Annotated[tuple[float, ...], BeforeValidator(_gaussian)]
