@@ -20,12 +20,12 @@ import fissura.kernels as kernels
 from cli.fakes import TINY
 from fissura.kernels import PACKAGE, prepare_cache
 
-CALLEE = "from fissura.kernels import njit\n@njit(cache=True)\ndef twice(x):\n    return 2 * x\n"
+CALLEE = "from fissura.kernels import njit\n@njit()\ndef twice(x):\n    return 2 * x\n"
 CALLER = """
 from fissura.kernels import njit
 from {callee} import twice
 SHIFT = 1
-@njit(cache=True, fastmath={{"contract"}})
+@njit(fastmath={{"contract"}})
 def shifted(x):
     return twice(x) + SHIFT
 """

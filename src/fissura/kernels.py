@@ -55,9 +55,8 @@ def njit(**options: Any) -> Any:
     Parameters
     ----------
     **options
-        Those of `numba.njit`; ``cache`` has no effect.
+        Those of `numba.njit` but ``cache``, of which this is the replacement.
     """
-    options.pop("cache", None)
 
     def decorated(function: Any) -> Any:
         compiled: Any = numba.njit(**options)(function)

@@ -9,8 +9,6 @@ from pathlib import Path
 from fissura.case import Case
 from fissura.case.plausible import suspect
 from fissura.errors import InputError
-from fissura.specimen import domain_from_case
-from fissura.specimen.notches import SURFACE
 
 __all__ = [
     "estimate_bodies",
@@ -42,6 +40,9 @@ def estimate_bodies(case: Case) -> float:
     float
         Number of bodies, not rounded; may be infinite for absurd sizes.
     """
+    from fissura.specimen import domain_from_case  # brings NumPy: what is wrong in a case is told without it
+    from fissura.specimen.notches import SURFACE
+
     domain, l_f = domain_from_case(case), case.discretization.l_f
     area = sum(part.area for part in domain.faces(*(name for name in domain.surfaces if name != SURFACE)))
     layers = domain.volume / l_f**3 + 0.3 * area / l_f**2 + 0.36 * float(domain.size.sum()) / l_f + 0.216
@@ -80,7 +81,7 @@ def physical_memory() -> float:
 
 
 def require_memory(case: Case, *, full: bool = False) -> None:
-    """Refuse a case that cannot fit into this machine, before anything is built.
+    """Refuse a case that cannot fit into this machine, before its nuclei are placed.
 
     Parameters
     ----------
@@ -95,6 +96,8 @@ def require_memory(case: Case, *, full: bool = False) -> None:
         If the nuclei of the whole specimen, or with ``full`` the solver, or calibration, need more memory than
         there is.
     """
+    from fissura.specimen import domain_from_case
+
     bodies, machine, l_f = estimate_bodies(case), physical_memory(), case.discretization.l_f
     if case.discretization.nuclei is not None:
         bodies *= _SPARSEST

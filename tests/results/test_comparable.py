@@ -56,6 +56,7 @@ def test_the_same_specimen_says_nothing_whatever_it_is_run_with():
         ({"specimen": {"size": [0.02, 0.01, 0.02]}}, "specimen.size", "specimen.size [0.02, 0.01, 0.01] and [0.02, 0."),
         ({"material": {"G_t": 40.0}}, "material.G_t", "material.G_t 35 and 40"),
         ({"notch": {"position": 0.01, "depth": 0.004}}, "notch", "notch none and given"),
+        ({"minus": {"box": {"lower": [0, 0, 0], "upper": [0.002, 0.002, 0.01]}}}, "minus", "minus none and given"),
         ({"discretization": {"l_f": 0.001}}, "discretization.l_f", "discretization.l_f 0.002 and 0.001"),
         ({"field": {"length": 0.01}}, "field", "field none and given"),
         ({"load": {"at": 0.011}}, "load.at", "load.at 0.01 and 0.011"),

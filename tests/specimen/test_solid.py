@@ -144,25 +144,6 @@ def test_void_that_touches_nothing():
     assert len(solid.cells) == 1
 
 
-def test_ideal_cut():
-    """A rectangle inside a box: both sides are surface, and all around it the plane is open."""
-    solid = box(SIZE)
-    assert solid.cut([(0.1, 0.03, 0.01), (0.1, 0.07, 0.01), (0.1, 0.07, 0.03), (0.1, 0.03, 0.03)], "crack")
-    found = domain(solid)
-    assert_allclose(found.volume, SIZE.prod(), rtol=1e-12)
-    assert areas(found)["crack"] == pytest.approx(2 * 0.04 * 0.02, rel=1e-9)
-    opens = found.complex.part_to >= 0
-    assert opens.sum() == 8
-    with pytest.raises(ValueError, match="no length"):
-        solid.cut([(0.1, 0.03, 0.01), (0.1, 0.07, 0.01), (0.1, 0.05, 0.01)], "crack")
-
-
-def test_cut_beside_the_solid():
-    solid = box(SIZE)
-    assert not solid.cut([(0.4, 0, 0), (0.4, 1, 0), (0.4, 1, 1)], "crack")
-    assert len(solid.cells) == 1
-
-
 def test_half_spaces_without_a_volume():
     solid = Solid([0.0] * 3, [1.0] * 3)
     with pytest.raises(ValueError, match="no bounded volume"):

@@ -174,3 +174,8 @@ def test_notch_beside_a_hole(small_case):
     case = small_case(minus=hole, notch={"position": 0.06, "depth": 0.03})
     (ligament,) = [part for part in thin_parts(case, domain_from_case(case)) if part.name == "the ligament"]
     assert ligament.value == pytest.approx(0.005, abs=5e-4)
+
+
+def test_surfaces_that_never_face_each_other_have_no_thickness():
+    """As those of a single tetrahedron."""
+    assert thin_notices([], L_F) == []

@@ -51,6 +51,11 @@ NOTCHES: dict[str, tuple[dict[str, Any], ...]] = {
 }
 
 
+def expected_count(size, spacing: float) -> float:
+    """Number of nuclei in a saturated box with free walls, as measured."""
+    return float(0.734 * np.prod(np.asarray(size) / spacing + 0.6))
+
+
 def slot_of(size: tuple[float, float, float], position: float, depth: float, **part: Any) -> Slot:
     """A notch straight across a face of a box, as cases give it."""
     axis, side = divmod(FACES.index(part.get("face", "bottom")), 2)

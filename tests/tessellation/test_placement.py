@@ -11,9 +11,9 @@ from scipy.spatial import cKDTree
 
 from fissura.specimen import Domain
 from fissura.specimen.shapes.box import box
-from fissura.tessellation import discretize, expected_count, place
+from fissura.tessellation import discretize, place
 
-from .build import L_F, SHAPES, SIZE, box_with, nuclei_in, shape
+from .build import L_F, SHAPES, SIZE, box_with, expected_count, nuclei_in, shape
 
 
 def farthest(nuclei, domain: Domain) -> float:
@@ -62,10 +62,6 @@ def test_saturated_boxes(seed):
 def test_count(size):
     counts = [len(nuclei_in(box_with(size=size), seed)) for seed in range(4)]
     assert abs(np.mean(counts) / expected_count(size, L_F) - 1.0) < 0.02
-
-
-def test_expected_count():
-    assert expected_count((1.0, 2.0, 3.0), 0.5) == pytest.approx(0.734 * 2.6 * 4.6 * 6.6, rel=1e-12)
 
 
 def test_a_notch_does_not_change_the_nuclei():

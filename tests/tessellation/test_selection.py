@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
 from fissura.adaptivity import RefinedRegion
-from fissura.tessellation import Nuclei, expected_count, select
+from fissura.tessellation import Nuclei, select
 
-from .build import L_C, L_F, NOTCHES, SIZE, box_with, nuclei_in
+from .build import L_C, L_F, NOTCHES, SIZE, box_with, expected_count, nuclei_in
 
 BOX = box_with(*NOTCHES["saw"])
 NUCLEI = nuclei_in(BOX, 11)

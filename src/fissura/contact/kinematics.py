@@ -54,14 +54,14 @@ class Kinematics:
         return len(self.volume)
 
 
-@njit(cache=True)
+@njit()
 def _cross(a, b, out):  # type: ignore[no-untyped-def]
     out[0] = a[1] * b[2] - a[2] * b[1]
     out[1] = a[2] * b[0] - a[0] * b[2]
     out[2] = a[0] * b[1] - a[1] * b[0]
 
 
-@njit(cache=True)
+@njit()
 def _frames(normal, out):  # type: ignore[no-untyped-def]
     axis = np.zeros(3)
     for c in range(len(normal)):
@@ -80,7 +80,7 @@ def _frames(normal, out):  # type: ignore[no-untyped-def]
         _cross(n, frame[1], frame[2])
 
 
-@njit(cache=True)
+@njit()
 def _strain_rows(frame, centroid, x_i, x_j, length, out):  # type: ignore[no-untyped-def]
     for c in range(len(frame)):
         i0, i1, i2 = centroid[c, 0] - x_i[c, 0], centroid[c, 1] - x_i[c, 1], centroid[c, 2] - x_i[c, 2]
@@ -94,7 +94,7 @@ def _strain_rows(frame, centroid, x_i, x_j, length, out):  # type: ignore[no-unt
             out[c, a, 9], out[c, a, 10], out[c, a, 11] = j1 * a2 - j2 * a1, j2 * a0 - j0 * a2, j0 * a1 - j1 * a0
 
 
-@njit(cache=True)
+@njit()
 def _contacts_of(bodies, first, adjacent):  # type: ignore[no-untyped-def]
     """Contacts of each body: counted, then put in place; `first` begins as zeros."""
     n = len(first) - 1
@@ -145,7 +145,7 @@ def kinematics_of(contacts: Contacts, x_i: FloatArray, x_j: FloatArray, n: int) 
     return Kinematics(bodies, rows, frame, contacts.area * contacts.length, first, adjacent)
 
 
-@njit(cache=True)
+@njit()
 def _strains(bodies, rows, u, out):  # type: ignore[no-untyped-def]
     for c in range(len(rows)):
         i, j = bodies[c, 0], bodies[c, 1]
@@ -156,7 +156,7 @@ def _strains(bodies, rows, u, out):  # type: ignore[no-untyped-def]
             out[c, a] = e
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(fastmath={"contract"})
 def _forces(bodies, rows, volume, traction, out):  # type: ignore[no-untyped-def]
     for c in range(len(rows)):
         t0, t1, t2 = volume[c] * traction[c, 0], volume[c] * traction[c, 1], volume[c] * traction[c, 2]
@@ -166,7 +166,7 @@ def _forces(bodies, rows, volume, traction, out):  # type: ignore[no-untyped-def
             out[j, d] += rows[c, 0, d + 6] * t0 + rows[c, 1, d + 6] * t1 + rows[c, 2, d + 6] * t2
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(fastmath={"contract"})
 def _add_stiffness(bodies, rows, volume, chosen, stiffness, u, out):  # type: ignore[no-untyped-def]
     e, t = np.empty(3), np.empty(3)
     for k in range(len(chosen)):

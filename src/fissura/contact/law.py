@@ -29,7 +29,7 @@ _LEAST_CAP = 1.001
 _ROUND_OFF = 1e-12
 
 
-@njit(cache=True)
+@njit()
 def _tension_shear_strength(sin, cos, alpha, f_t, f_s, mu):  # type: ignore[no-untyped-def]
     """Strength and its derivative to omega for ``s_T^2 = (f_t - s_N)(f_s^2/f_t - mu^2 s_N)``."""
     b = f_s * f_s / f_t + mu * mu * f_t
@@ -39,7 +39,7 @@ def _tension_shear_strength(sin, cos, alpha, f_t, f_s, mu):  # type: ignore[no-u
     return f, -f * (b * cos + slope) / (b * sin + root)
 
 
-@njit(cache=True)
+@njit()
 def _compression_strength(sin, cos, alpha, f_c, beta):  # type: ignore[no-untyped-def]
     """Strength and its derivative to omega for ``s_N^2 + s_T^2 / beta = f_c^2``."""
     g2 = sin * sin + alpha * cos * cos / beta
@@ -88,9 +88,9 @@ def transition_angle(material: Material) -> float:
     return float(brentq(gap, low, 0.0, xtol=1e-15, rtol=1e-14))
 
 
-@njit(cache=True)
+@njit()
 def _respond(  # type: ignore[no-untyped-def]
-    strain, history, scale, k_t, k_s, n_t, par, lowest, traction, new, tangent, with_tangent
+    strain, history, scale, k_t, n_t, par, lowest, traction, new, tangent, with_tangent
 ):
     E, alpha, f_t0, f_s0, f_c0, k_c, mu, beta, n_c, omega0 = par
     root_alpha = np.sqrt(alpha)
@@ -184,7 +184,7 @@ def _respond(  # type: ignore[no-untyped-def]
                 tangent[c, a, a] += intact * s
 
 
-@njit(cache=True)
+@njit()
 def _utilisation(strain, scale, par, out):  # type: ignore[no-untyped-def]
     E, alpha, f_t, f_s, f_c, _, mu, beta, _, omega0 = par
     for c in range(len(strain)):
@@ -347,7 +347,6 @@ class CusatisCedolin:
             history,
             self.scale,
             self.k_t,
-            self.k_s,
             self.n_t,
             self._parameters(),
             lowest_strength(self.material),

@@ -13,7 +13,7 @@ __all__ = ["body_stress"]
 FloatArray = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit()
 def _contact_moments(bodies, area, centroid, x, frame, traction, out):  # type: ignore[no-untyped-def]
     """``sum A t (x) (c - x)`` of every body."""
     for c in range(len(bodies)):

@@ -13,14 +13,14 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-@njit(cache=True)
+@njit()
 def _put_rows(values, rows, out):  # type: ignore[no-untyped-def]
     for k in range(len(rows)):
         for a in range(3):
             out[rows[k], a] = values[k, a]
 
 
-@njit(cache=True)
+@njit()
 def _changes(tangent, intact, moduli, active, least, chosen, change):  # type: ignore[no-untyped-def]
     count = 0
     for k in range(len(active)):

@@ -96,7 +96,7 @@ class Pattern:
         return out
 
 
-@njit(cache=True)
+@njit()
 def _neighbours(bodies, first, adjacent, more_first, more, begin, out):  # type: ignore[no-untyped-def]
     """Bodies in the rows of every body, ascending and without repetitions; returns where each row ends."""
     n = len(first) - 1
@@ -123,7 +123,7 @@ def _neighbours(bodies, first, adjacent, more_first, more, begin, out):  # type:
     return end
 
 
-@njit(cache=True)
+@njit()
 def _expanded(first, neighbours, indptr, indices):  # type: ignore[no-untyped-def]
     entry = 0
     for b in range(len(first) - 1):
@@ -136,7 +136,7 @@ def _expanded(first, neighbours, indptr, indices):  # type: ignore[no-untyped-de
     indptr[-1] = entry
 
 
-@njit(cache=True)
+@njit()
 def _offsets(first, neighbours, row, column):  # type: ignore[no-untyped-def]
     """Offset of the block of each row and column in the rows of its body."""
     out = np.empty(len(row), dtype=np.int32)
@@ -146,7 +146,7 @@ def _offsets(first, neighbours, row, column):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True)
+@njit()
 def _opposites(bodies, owner_first, adjacent, first, neighbours):  # type: ignore[no-untyped-def]
     out = np.empty(len(adjacent), dtype=np.int32)
     for b in range(len(first) - 1):
@@ -199,7 +199,7 @@ def pattern(
     )
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(fastmath={"contract"})
 def _assemble(  # type: ignore[no-untyped-def]
     rows, volume, first, adjacent, tangent, spin, start, stride, diagonal, opposite, data
 ):
@@ -266,7 +266,7 @@ def assemble_secant(geometry: Kinematics, form: Pattern, moduli: FloatArray) -> 
     return assemble(geometry, form, tangent)
 
 
-@njit(cache=True)
+@njit()
 def _add_spin(bodies, spin, u, out):  # type: ignore[no-untyped-def]
     for c in range(len(spin)):
         i, j = bodies[c, 0], bodies[c, 1]

@@ -23,7 +23,7 @@ _SMALLEST_PIVOT = 1e-14
 _SHARES = (0.0, 0.01, 0.05, 0.2, 1.0)
 
 
-@njit(cache=True, fastmath=FAST)
+@njit(fastmath=FAST)
 def _subtract_product(target, a, b):  # type: ignore[no-untyped-def]
     """``target -= a b^T`` for 6x6 blocks."""
     for p in range(6):
@@ -34,7 +34,7 @@ def _subtract_product(target, a, b):  # type: ignore[no-untyped-def]
             target[p, q] -= s
 
 
-@njit(cache=True)
+@njit()
 def _copy(source, target):  # type: ignore[no-untyped-def]
     """Entry by entry: array assignment would have to compile what it says when shapes differ."""
     for p in range(6):
@@ -42,7 +42,7 @@ def _copy(source, target):  # type: ignore[no-untyped-def]
             target[p, q] = source[p, q]
 
 
-@njit(cache=True)
+@njit()
 def _cholesky(block, original, smallest, low, out):  # type: ignore[no-untyped-def]
     """Inverse of the lower Cholesky factor; False when a pivot is too small."""
     for p in range(6):
@@ -66,7 +66,7 @@ def _cholesky(block, original, smallest, low, out):  # type: ignore[no-untyped-d
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(nogil=True, fastmath=FAST)
 def _factor(begin_row, end_row, indptr, indices, matrix, added, share, last_try, smallest, out):  # type: ignore[no-untyped-def]
     """Row by row; diagonal blocks are replaced by inverses of their Cholesky factors.
 
@@ -123,7 +123,7 @@ def _factor(begin_row, end_row, indptr, indices, matrix, added, share, last_try,
     return failed
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(nogil=True, fastmath=FAST)
 def _forward(begin, end, indptr, indices, factor, right, x):  # type: ignore[no-untyped-def]
     """``x = L^-1 right`` in some rows."""
     for i in range(begin, end):
@@ -139,7 +139,7 @@ def _forward(begin, end, indptr, indices, factor, right, x):  # type: ignore[no-
         x[i, 0], x[i, 1], x[i, 2], x[i, 3], x[i, 4], x[i, 5] = own
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(nogil=True, fastmath=FAST)
 def _backward(begin, end, indptr, indices, factor, x):  # type: ignore[no-untyped-def]
     """``x = L^-T x`` in some columns, from the last one on."""
     for i in range(end - 1, begin - 1, -1):

@@ -125,7 +125,7 @@ def constant_part(form: Pattern, entry: IntArray) -> FloatArray:
     return np.where(form.fixed[found] == entry, form.fixed_values[found], 0.0)
 
 
-@njit(cache=True)
+@njit()
 def _graph(start, neighbours, last, indptr, indices):  # type: ignore[no-untyped-def]
     """Neighbours of every body; those in `last` do not see each other."""
     n, k = len(start), 0
@@ -159,7 +159,7 @@ def bandwidth_order(form: Pattern, last: NDArray[np.bool_]) -> IntArray:
     return np.concatenate([order[~last[order]], order[last[order]]])
 
 
-@njit(cache=True)
+@njit()
 def _lower(order, place, first, stride, neighbours, indptr, indices, start):  # type: ignore[no-untyped-def]
     k = 0
     for i in range(len(order)):
@@ -190,7 +190,7 @@ def lower_blocks(form: Pattern, order: IntArray, bounds: IntArray | None = None)
     return LowerBlocks(order, indptr, indices, start, form.stride[order], bounds)
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc"})
+@njit(nogil=True, fastmath={"reassoc"})
 def _gather(begin, end, indptr, start, stride, data, out):  # type: ignore[no-untyped-def]
     """Returns zero, or nan where an entry is not finite."""
     zero = 0.0
@@ -212,14 +212,14 @@ def _gather(begin, end, indptr, start, stride, data, out):  # type: ignore[no-un
     return zero
 
 
-@njit(cache=True, fastmath=FAST, inline="always")
+@njit(fastmath=FAST, inline="always")
 def column(blocks, k, d, x):  # type: ignore[no-untyped-def]
     """Column d of block k times x, written out so that it is compiled to vector instructions over d."""
     upper = blocks[k, 0, d] * x[0] + blocks[k, 1, d] * x[1] + blocks[k, 2, d] * x[2]
     return upper + blocks[k, 3, d] * x[3] + blocks[k, 4, d] * x[4] + blocks[k, 5, d] * x[5]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(nogil=True, fastmath=FAST)
 def _multiply(begin, end, indptr, indices, blocks, x, out):  # type: ignore[no-untyped-def]
     for i in range(begin, end):
         own = (x[i, 0], x[i, 1], x[i, 2], x[i, 3], x[i, 4], x[i, 5])
@@ -240,7 +240,7 @@ def _multiply(begin, end, indptr, indices, blocks, x, out):  # type: ignore[no-u
         out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4], out[i, 5] = s0, s1, s2, s3, s4, s5
 
 
-@njit(cache=True)
+@njit()
 def _sizes(indptr, indices, blocks, x, out):  # type: ignore[no-untyped-def]
     for i in range(len(indptr) - 1):
         for k in range(indptr[i], indptr[i + 1]):

@@ -23,7 +23,7 @@ AnyIntArray = NDArray[np.integer[Any]]
 _FINE = 0.25
 
 
-@njit(cache=True)
+@njit()
 def _cut(key, weight, points, begin, end, share):  # type: ignore[no-untyped-def]
     """Reorder points so that those before the returned place have the smaller keys, and `share` of the weight or less.
 
@@ -60,7 +60,7 @@ def _cut(key, weight, points, begin, end, share):  # type: ignore[no-untyped-def
     return min(max(low, begin + 1), end - 1)
 
 
-@njit(cache=True)
+@njit()
 def _bisected(x, weight, most, label):  # type: ignore[no-untyped-def]
     n = len(x)
     points = np.arange(n)
@@ -116,7 +116,7 @@ def bisected(x: FloatArray, most: float, weight: FloatArray | None = None) -> In
     return label
 
 
-@njit(cache=True)
+@njit()
 def _reach(indptr, indices, x):  # type: ignore[no-untyped-def]
     """Mean distance of each point from those that it touches; zero where it touches none."""
     n = len(x)
@@ -153,7 +153,7 @@ def body_weights(form: LowerBlocks, x: FloatArray) -> FloatArray:
     return np.maximum(reach / fine, 1.0) ** 1.5 if fine > 0.0 else np.ones(len(x))
 
 
-@njit(cache=True)
+@njit()
 def _link_stiffness(indptr, blocks, out):  # type: ignore[no-untyped-def]
     link = 0
     for i in range(len(indptr) - 1):

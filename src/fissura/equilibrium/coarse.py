@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _expand(block, arm, unit, out):  # type: ignore[no-untyped-def]
     """``out += block P`` for the rigid motion P of a body with this arm."""
     for a in range(6):
@@ -32,7 +32,7 @@ def _expand(block, arm, unit, out):  # type: ignore[no-untyped-def]
         out[a, 5] += (block[a, 5] + arm[0] * f1 - arm[1] * f0) * unit
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _insert(row, count, wanted):  # type: ignore[no-untyped-def]
     """Put a number among the first `count`, ascending, of a row; returns how many there are then."""
     p = count
@@ -46,7 +46,7 @@ def _insert(row, count, wanted):  # type: ignore[no-untyped-def]
     return count + 1
 
 
-@njit(cache=True)
+@njit()
 def _touched(indptr, indices, label):  # type: ignore[no-untyped-def]
     """Clusters in the block rows of K P, compressed: first, cluster."""
     n = len(label)
@@ -74,7 +74,7 @@ def _touched(indptr, indices, label):  # type: ignore[no-untyped-def]
     return first, cluster
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _find(first, cluster, body, wanted):  # type: ignore[no-untyped-def]
     k = first[body]
     while cluster[k] != wanted:
@@ -82,7 +82,7 @@ def _find(first, cluster, body, wanted):  # type: ignore[no-untyped-def]
     return k
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _condense(begin, end, indptr, indices, blocks, label, arm, unit, first, cluster, out):  # type: ignore[no-untyped-def]
     for i in range(begin, end):
         for k in range(indptr[i], indptr[i + 1]):
@@ -92,7 +92,7 @@ def _condense(begin, end, indptr, indices, blocks, label, arm, unit, first, clus
                 _expand(blocks[k].T, arm[i], unit, out[_find(first, cluster, j, label[i])])
 
 
-@njit(cache=True)
+@njit()
 def _coarse_pattern(bodies, of_cluster, first, cluster, wide):  # type: ignore[no-untyped-def]
     """Block columns on and right of the diagonal of ``P^T K P``, compressed; `wide` clusters all see each other."""
     clusters = len(of_cluster) - 1
@@ -128,7 +128,7 @@ def _coarse_pattern(bodies, of_cluster, first, cluster, wide):  # type: ignore[n
     return indptr, columns[:total].copy()
 
 
-@njit(cache=True)
+@njit()
 def _coarse_blocks(bodies, of_cluster, first, cluster, product, arm, unit, indptr, columns, out):  # type: ignore[no-untyped-def]
     where = np.empty(len(indptr) - 1, dtype=np.int64)
     for c in range(len(indptr) - 1):
@@ -151,7 +151,7 @@ def _coarse_blocks(bodies, of_cluster, first, cluster, product, arm, unit, indpt
                     block[5, d] += (product[k, 5, d] + r0 * f1 - r1 * f0) * unit
 
 
-@njit(cache=True)
+@njit()
 def _upper_entries(block_indptr, columns, blocks, indptr, indices, data):  # type: ignore[no-untyped-def]
     entry = 0
     for c in range(len(block_indptr) - 1):

@@ -69,7 +69,7 @@ class _Direct(ABC):
         """Solve with it."""
 
 
-@njit(cache=True)
+@njit()
 def _upper(indptr, indices, data, out_indptr, out_indices, out):  # type: ignore[no-untyped-def]
     entry = 0
     for row in range(len(indptr) - 1):

@@ -23,7 +23,7 @@ IntArray = NDArray[np.int64]
 _TWO, _FOUR = 15_000, 30_000
 
 
-@njit(cache=True)
+@njit()
 def _between(start, neighbours, domain, out):  # type: ignore[no-untyped-def]
     """Mark bodies that touch a body of an earlier domain; negative domains do not count."""
     n = len(start)

@@ -28,7 +28,7 @@ _LONG, _CUT = 180_000, 4
 _FAST = {"reassoc", "contract"}
 
 
-@njit(cache=True, nogil=True, fastmath=_FAST)
+@njit(nogil=True, fastmath=_FAST)
 def _dot(begin, end, a, b):  # type: ignore[no-untyped-def]
     s = 0.0
     for k in range(begin, end):
@@ -36,7 +36,7 @@ def _dot(begin, end, a, b):  # type: ignore[no-untyped-def]
     return s
 
 
-@njit(cache=True, nogil=True, fastmath=_FAST)
+@njit(nogil=True, fastmath=_FAST)
 def _take_out(begin, end, share, own, following, image):  # type: ignore[no-untyped-def]
     """Take a share of the vector `own` out of `image`, and return the product of what is left with another vector."""
     s = 0.0

@@ -17,7 +17,7 @@ IntArray = NDArray[np.int64]
 
 
 # Compiled, since threads of numpy's library would cost more than they save.
-@njit(cache=True)
+@njit()
 def _values(bodies, rows, u, out):  # type: ignore[no-untyped-def]
     for r in range(len(rows)):
         for h in range(len(bodies)):
@@ -25,7 +25,7 @@ def _values(bodies, rows, u, out):  # type: ignore[no-untyped-def]
                 out[r] += rows[r, h, d] * u[bodies[h], d]
 
 
-@njit(cache=True)
+@njit()
 def _add_rows(bodies, rows, forces, out):  # type: ignore[no-untyped-def]
     for r in range(len(rows)):
         for h in range(len(bodies)):

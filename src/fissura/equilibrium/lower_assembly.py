@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def _add_product(w0, w1, w2, rows, here, there, out):  # type: ignore[no-untyped-def]
     """``out += B_here^T diag(w) B_there`` of one contact, for the six columns of each body's part of its strains."""
     for p in range(6):
@@ -29,7 +29,7 @@ def _add_product(w0, w1, w2, rows, here, there, out):  # type: ignore[no-untyped
             out[p, q] += s0 * rows[0, there + q] + s1 * rows[1, there + q] + s2 * rows[2, there + q]
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def _assemble(  # type: ignore[no-untyped-def]
     begin, end, order, place, indptr, indices, bodies, rows, volume, first, adjacent, moduli, spin, out
 ):

@@ -11,7 +11,7 @@ from fissura.kernels import njit
 __all__ = ["prolong", "restrict", "restrict_product"]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def restrict(begin, end, clusters, label, arm, unit, r):  # type: ignore[no-untyped-def]
     """What bodies from `begin` to `end` contribute to ``P^T r``; (n, 6) -> (clusters, 6)."""
     out = zeros((clusters, 6))
@@ -26,7 +26,7 @@ def restrict(begin, end, clusters, label, arm, unit, r):  # type: ignore[no-unty
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def prolong(begin, end, label, arm, unit, coarse, out):  # type: ignore[no-untyped-def]
     """Add ``P coarse`` to bodies from `begin` to `end`; (clusters, 6) -> (n, 6)."""
     for i in range(begin, end):
@@ -40,7 +40,7 @@ def prolong(begin, end, label, arm, unit, coarse, out):  # type: ignore[no-untyp
         out[i, 5] += t2
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(nogil=True, fastmath={"reassoc", "contract"})
 def restrict_product(begin, end, clusters, first, cluster, product, z):  # type: ignore[no-untyped-def]
     """What bodies from `begin` to `end` contribute to ``(K P)^T z``; (n, 6) -> (clusters, 6)."""
     out = zeros((clusters, 6))

@@ -7,7 +7,7 @@ from fissura.kernels import njit
 __all__ = ["advance", "dot", "turn"]
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@njit(nogil=True, fastmath={"reassoc", "contract"})
 def dot(begin, end, a, b):  # type: ignore[no-untyped-def]
     """Scalar product."""
     s = 0.0
@@ -17,7 +17,7 @@ def dot(begin, end, a, b):  # type: ignore[no-untyped-def]
     return s
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def advance(begin, end, step, p, product, u, r):  # type: ignore[no-untyped-def]
     """``u += step p`` and ``r -= step product``."""
     for k in range(begin, end):
@@ -26,7 +26,7 @@ def advance(begin, end, step, p, product, u, r):  # type: ignore[no-untyped-def]
             r[k, d] -= step * product[k, d]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def turn(begin, end, ratio, z, p):  # type: ignore[no-untyped-def]
     """``p = z + ratio p``."""
     for k in range(begin, end):

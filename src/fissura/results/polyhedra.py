@@ -120,7 +120,7 @@ def _merged(points: FloatArray, body: IntArray, volume: FloatArray) -> tuple[Int
     return index, first[:count]
 
 
-@njit(cache=True)
+@njit()
 def _merge(points, bounds, tolerance, index, first):  # type: ignore[no-untyped-def]
     most = np.diff(bounds).max() if len(bounds) > 1 else 0
     label = np.empty(most, dtype=np.int64)

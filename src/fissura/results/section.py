@@ -142,7 +142,7 @@ def outlines(section: Section) -> Outlines:
     return Outlines(_chained(lines[line[order]], offsets), offsets)
 
 
-@njit(cache=True)
+@njit()
 def _chained(lines, offsets):  # type: ignore[no-untyped-def]
     # Every line in turn goes on from the end of the one before, at the nearest end of those left: neighbouring facets
     # share corners up to round-off only, and tiny facets may be missing.

@@ -69,7 +69,7 @@ def parts_of(solid: Solid) -> list[list[list[Part]]]:
             sheet = _Sheet(k, f, face, polygons[f], name, face in cell.closed)
             planes[face[0]][0 if face[1] > 0 else 1].append(sheet)
     for plane, (plus, minus) in planes.items():
-        whole = plane not in solid.cuts and not any((plane, sign) in solid.regions for sign in (1, -1))
+        whole = not any((plane, sign) in solid.regions for sign in (1, -1))
         if whole and plus and minus:
             plus, minus = _unmatched(plus, minus, solid.tolerance, out)
         if (plus and minus) or not whole:
@@ -114,20 +114,18 @@ def _pair(a: _Sheet, b: _Sheet, out: list[list[list[Part]]]) -> None:
 
 
 def _overlay(solid: Solid, plane: int, plus: list[_Sheet], minus: list[_Sheet], out: list[list[list[Part]]]) -> None:
-    """Divide the faces in one plane by each other, by cuts and by named regions.
+    """Divide the faces in one plane by each other and by named regions.
 
-    Lines have identities like planes, so that the edges of parts are the same on both sides, bit for bit. Cuts divide a
-    face first, in one order from either side; what is left is open where it meets a face of the other side.
+    Lines have identities like planes, so that the edges of parts are the same on both sides, bit for bit. A face is
+    open where it meets one of the other side, unless either is closed.
     """
     sheets = (*plus, *minus)
-    cuts = solid.cuts.get(plane, [])
     regions = [solid.regions.get((plane, sign), []) for sign in (1, -1)]
-    outlines = [sheet.polygon for sheet in sheets] + [corners for corners, _ in (*cuts, *regions[0], *regions[1])]
+    outlines = [sheet.polygon for sheet in sheets] + [corners for corners, _ in (*regions[0], *regions[1])]
     flat = Flat.of(solid.planes.normal((plane, 1)), np.concatenate(outlines))
     lines = Lines(solid.tolerance)
     pieces = iter(lines.pieces([flat.inside(outline) for outline in outlines]))
     plus_pieces, minus_pieces = ([(sheet, next(pieces)) for sheet in side] for side in (plus, minus))
-    closed = [(next(pieces), name) for _, name in cuts]
     named = [[(next(pieces), name) for _, name in side] for side in regions]
     for mine, theirs, sign, own in (
         (plus_pieces, minus_pieces, 1, named[0]),
@@ -137,7 +135,7 @@ def _overlay(solid: Solid, plane: int, plus: list[_Sheet], minus: list[_Sheet], 
         for sheet, whole in mine:
             out[sheet.cell][sheet.place] = [
                 Part(to, flat.outside(piece.corners[::sign]), tuple(_edge(flat, lines, e) for e in edges))
-                for to, piece, edges in _divided(sheet, whole, theirs, bounds, closed, own, lines)
+                for to, piece, edges in _divided(sheet, whole, theirs, bounds, own, lines)
             ]
 
 
@@ -152,28 +150,20 @@ def _divided(
     whole: Piece,
     theirs: Sequence[tuple[_Sheet, Piece]],
     bounds: FloatArray,
-    cuts: Sequence[tuple[Piece, str]],
     regions: Sequence[tuple[Piece, str]],
     lines: Lines,
 ) -> list[tuple[int | str, Piece, tuple[tuple[int, int], ...]]]:
     """Parts of a face: where each leads, its polygon, and the lines that part it from the others."""
     found: list[tuple[int | str, Piece]] = []
-    free = [whole]
-    for cut, name in cuts:
-        inside, free = lines.divided(free, cut)
-        found += [(name, piece) for piece in inside]
-    across = [theirs[k] for k in whole.among(bounds, lines.tolerance)]
-    bare: list[Piece] = []
-    for piece in free:
-        left = [piece]
-        for other, there in across:
-            inside, left = lines.divided(left, there)
-            if inside:
-                # All of the overlap at once: `left` may have been divided by others already, from this side only.
-                both = lines.common(piece, there)
-                if both is not None:
-                    found.append((sheet.name if sheet.closed or other.closed else other.cell, both))
-        bare += left
+    bare = [whole]
+    for k in whole.among(bounds, lines.tolerance):
+        other, there = theirs[k]
+        inside, bare = lines.divided(bare, there)
+        if inside:
+            # All of the overlap at once: `bare` may have been divided by others already, from this side only.
+            both = lines.common(whole, there)
+            if both is not None:
+                found.append((sheet.name if sheet.closed or other.closed else other.cell, both))
     for region, name in regions:
         inside, bare = lines.divided(bare, region)
         found += [(name, piece) for piece in inside]

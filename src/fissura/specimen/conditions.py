@@ -6,7 +6,7 @@ attached to whichever bodies own its points in a discretization.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,15 +67,12 @@ class Held:
 
     Attributes
     ----------
-    key : str
-        Where it stands in the case file, ``"supports[0]"``.
     middle : (3,) array
         Centroid of its place [m].
     functionals : int
         How many functionals it has.
     """
 
-    key: str
     middle: FloatArray
     functionals: int
 
@@ -98,8 +95,6 @@ class Conditions:
         The supports, to whom `supports` belong in this order.
     pulls : bool
         Whether the load points out of the specimen.
-    direction : (3,) array
-        Unit vector along the load.
     """
 
     supports: tuple[Functional, ...]
@@ -108,7 +103,6 @@ class Conditions:
     gauge: Functional | None = None
     held: tuple[Held, ...] = ()
     pulls: bool = False
-    direction: FloatArray = field(default_factory=lambda: np.zeros(3))
 
 
 def _mean(place: Place, direction: FloatArray) -> Functional:
@@ -211,7 +205,7 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
         place = place_from_part(part, domain, spacing, f"supports[{k}]")
         rows = [row for row in kind(place, f"supports[{k}].{part.naming}") if row is not None]
         supports += rows
-        held.append(Held(f"supports[{k}]", place.centroid, len(rows)))
+        held.append(Held(place.centroid, len(rows)))
     _check_stability(supports, domain.bounds.mean(axis=0), float(domain.size.max()))
 
     place = place_from_part(case.load, domain, spacing, "load")
@@ -221,10 +215,10 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
 
     gauge = None if case.gauge is None else _gauge(case.gauge, domain, spacing)
     if case.quantity == "displacement":
-        return Conditions(tuple(supports), load, load, gauge, tuple(held), pulls, direction)
+        return Conditions(tuple(supports), load, load, gauge, tuple(held), pulls)
     if gauge is None:
         raise InputError("gauge", "is missing, but control.type is 'gauge'", "a table [gauge] with a and b")
-    return Conditions(tuple(supports), load, gauge, gauge, tuple(held), pulls, direction)
+    return Conditions(tuple(supports), load, gauge, gauge, tuple(held), pulls)
 
 
 def load_direction(part: Load, place: Place) -> FloatArray:

@@ -71,7 +71,7 @@ def clipped_by(
     return left
 
 
-@njit(cache=True)
+@njit()
 def _intersection(low, high, normal, offset, tolerance):  # type: ignore[no-untyped-def]
     """Cut a box by half-spaces one after another: number of corners, corners, half-edges and planes on their left."""
     room = 64 + 8 * len(offset)
@@ -100,7 +100,7 @@ def _intersection(low, high, normal, offset, tolerance):  # type: ignore[no-unty
         room *= 2
 
 
-@njit(cache=True)
+@njit()
 def _settle(corner, face, normal, offset, rank, nearest):  # type: ignore[no-untyped-def]
     """Put corners where their three planes meet, by the same operations in every cell that has these planes.
 
@@ -146,7 +146,7 @@ def _settle(corner, face, normal, offset, rank, nearest):  # type: ignore[no-unt
                 corner[a, v] = place[a]
 
 
-@njit(cache=True)
+@njit()
 def loops_of(faces, twin, face):  # type: ignore[no-untyped-def]
     """Corners around each face, counterclockwise from outside, and the face across the edge that leaves each."""
     count = len(twin) // 4

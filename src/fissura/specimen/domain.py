@@ -84,11 +84,6 @@ class Domain:
         return float(self.cell_volumes.sum())
 
     @cached_property
-    def area(self) -> float:
-        """Area of the surface, walls of notches included [m^2]."""
-        return sum(part.area for part in self.faces())
-
-    @cached_property
     def cell_volumes(self) -> FloatArray:
         """Volume of each convex cell, shape (K,) [m^3]."""
         out = np.zeros(len(self.complex.low))

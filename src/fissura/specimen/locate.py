@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-@njit(cache=True)
+@njit()
 def _boxes(low, high, origin, side, shape):  # type: ignore[no-untyped-def]
     """Cells that reach into each box of a grid, box after box."""
     start = np.zeros(shape[0] * shape[1] * shape[2] + 1, np.int64)
@@ -42,7 +42,7 @@ def _boxes(low, high, origin, side, shape):  # type: ignore[no-untyped-def]
     return start, cells
 
 
-@njit(cache=True)
+@njit()
 def _located(x, low, high, plane_start, normal, offset, origin, side, shape, start, cells):  # type: ignore[no-untyped-def]
     """The convex cell in which each point lies deepest, -1 for those outside of all."""
     out = np.full(len(x), -1, np.int64)

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-@njit(cache=True)
+@njit()
 def _marched(x, direction, cell, cx):  # type: ignore[no-untyped-def]
     """Walk from cell to cell through open parts of faces."""
     length, part = np.empty(len(x)), np.full(len(x), -1, np.int64)

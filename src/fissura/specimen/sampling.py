@@ -84,7 +84,7 @@ def _inside(corners: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
     return out
 
 
-@njit(cache=True)
+@njit()
 def _in_rectangles(corners, u, v, i, j):  # type: ignore[no-untyped-def]
     """Areas and centroids of what of a convex polygon (k, 2) lies in rectangles of a grid."""
     area, centroid = np.zeros(len(i)), np.zeros((len(i), 2))

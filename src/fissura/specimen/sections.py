@@ -26,7 +26,7 @@ LEAST_SIDE = 0.1
 _MOST_LEVELS = 400
 
 
-@njit(cache=True)
+@njit()
 def _areas(points, start, levels):  # type: ignore[no-untyped-def]
     """Areas of the sections perpendicular to the last axis at levels where no corner lies."""
     out = np.zeros(len(levels))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fissura.specimen.convex import Convex, Degenerate, area_vector, clipped_by
+from fissura.specimen.convex import Convex, Degenerate
 from fissura.specimen.planes import Face, Planes, opposite
 
 if TYPE_CHECKING:
@@ -66,8 +66,6 @@ class Solid:
         self.extent = float((high - low).max())
         self.planes = Planes(0.5 * (low + high), self.extent)
         self.cells: list[Cell] = []
-        #: Closed polygons in planes, and their surfaces.
-        self.cuts: dict[int, list[tuple[FloatArray, str]]] = {}
         #: Parts of faces that belong to a surface, whatever the rest of the plane belongs to.
         self.regions: dict[Face, list[tuple[FloatArray, str]]] = {}
         #: Surfaces of faces that no cell names.
@@ -199,40 +197,6 @@ class Solid:
             if ahead is not None:
                 kept.append(ahead if name is None else ahead.named(opposite(face), name))
         return ([cell], False) if rest is None else (kept, True)
-
-    def cut(self, polygon: ArrayLike, name: str) -> bool:
-        """An ideal cut: a plane convex polygon through which nothing is connected.
-
-        Parameters
-        ----------
-        polygon : (k, 3) array
-            Corners [m].
-        name : str
-            The surface that both of its sides belong to.
-
-        Returns
-        -------
-        bool
-            Whether it touched anything.
-
-        Raises
-        ------
-        ValueError
-            The polygon has no area.
-        """
-        corners = np.asarray(polygon, float)
-        vector = area_vector(corners)
-        face = self.planes.find(vector, float(vector @ corners.mean(axis=0)))
-        self._declare(name)
-
-        def touched(cell: Cell) -> bool:
-            half_spaces = self.planes.half_spaces(cell.shape.faces)
-            return clipped_by(corners, *half_spaces, self.tolerance) is not None
-
-        any_cell = any(touched(cell) for cell in self.cells)
-        self.split(face, touched)
-        self.cuts.setdefault(face[0], []).append((corners, name))
-        return any_cell
 
     def number(self) -> None:
         """Number the cells, so that later parts know which of today's they come from."""

@@ -7,6 +7,7 @@ has a third of its stiffness (docs/verification.md, benchmarks/thin_parts.py).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -202,6 +203,7 @@ def thin_notices(parts: Iterable[Thickness], l_f: float) -> list[Notice]:
         A part is thinner than one body.
     """
     thinnest: dict[str, Thickness] = {}
+    largest = math.inf  # without surfaces that face each other there is no part
     for part in sorted(parts, key=lambda part: part.value):
         thinnest.setdefault(part.key, part)
         largest = part.value

@@ -54,7 +54,7 @@ def run_study(
     InputError
         A name in `again` is not known, there are too many workers, or the folder cannot be written.
     KeyboardInterrupt, StudyStopped
-        The user interrupts, or a process died; all finished runs are saved, and the same call goes on.
+        The user interrupts, or no process can be started; all finished runs are saved, and the same call goes on.
     """
     from fissura.folder import Folder, prepare_folder
     from fissura.study.outcome import outcome_of

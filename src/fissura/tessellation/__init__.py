@@ -5,7 +5,7 @@ from __future__ import annotations
 from fissura.tessellation.discretize import discretize, tessellate
 from fissura.tessellation.nuclei import Nuclei, nuclei_from_case
 from fissura.tessellation.owners import Bodies, owners
-from fissura.tessellation.placement import expected_count, place
+from fissura.tessellation.placement import place
 from fissura.tessellation.selection import select
 from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
 
@@ -17,7 +17,6 @@ __all__ = [
     "SurfaceFacets",
     "Tessellation",
     "discretize",
-    "expected_count",
     "nuclei_from_case",
     "owners",
     "place",

@@ -13,7 +13,7 @@ from fissura.specimen.polyhedron import following
 from fissura.tessellation.corner import corner_scratch, place_corner
 from fissura.tessellation.piece import admitted, clip_piece, work_arrays
 from fissura.tessellation.polygon import area2, clip
-from fissura.tessellation.search import INNER, longer
+from fissura.tessellation.search import INNER, longer, taller
 
 __all__ = ["clip_bodies"]
 
@@ -21,28 +21,10 @@ _TINY = 1e-10  # of the squared radius of a body: a smaller opening does not lea
 
 
 @njit(**INNER)
-def _higher(array):  # type: ignore[no-untyped-def]
-    out = np.empty((2 * len(array), 3))
-    for k in range(len(array)):
-        for a in range(3):
-            out[k, a] = array[k, a]
-    return out
-
-
-@njit(**INNER)
-def _more(array):  # type: ignore[no-untyped-def]
-    out = np.empty((2 * len(array), 3), np.int64)
-    for k in range(len(array)):
-        for a in range(3):
-            out[k, a] = array[k, a]
-    return out
-
-
-@njit(**INNER)
 def _saw(i, k, j, seen, n):  # type: ignore[no-untyped-def]
     """Note that body `i` is cut by nucleus `j` in a cell that is not the latter's own."""
     if n == len(seen):
-        seen = _more(seen)
+        seen = taller(seen)
     seen[n, 0], seen[n, 1], seen[n, 2] = i, k, j
     return seen, n + 1
 
@@ -51,10 +33,10 @@ def _saw(i, k, j, seen, n):  # type: ignore[no-untyped-def]
 def _write(polygon, count, other, plane, facets, points, n, n_points):  # type: ignore[no-untyped-def]
     """Append a polygon, what lies behind it, and its plane on the surface."""
     if n == len(facets):
-        facets = _more(facets)
+        facets = taller(facets)
     facets[n, 0], facets[n, 1], facets[n, 2] = other, plane, count
     while n_points + count > len(points):
-        points = _higher(points)
+        points = taller(points)
     for m in range(count):
         for a in range(3):
             points[n_points + m, a] = polygon[m, a]
@@ -171,7 +153,7 @@ def _surface_facets(i, f, count, x, home, cx, rules, key, passed, twin, least2, 
     return (facets, points, queue, seen), (n_facets, n_points, end, n_seen)
 
 
-@njit(cache=True)
+@njit()
 def clip_bodies(todo, x, home, cx, tables, guess, grid, rules, points):  # type: ignore[no-untyped-def]
     """Clip the bodies of the nuclei `todo`.
 
@@ -271,9 +253,9 @@ def clip_bodies(todo, x, home, cx, tables, guess, grid, rules, points):  # type:
                     queue, end = _entered(to, queue, end, _area2(at[f], twin, p), least2)
                     continue
                 while n_points + count > len(points):
-                    points = _higher(points)
+                    points = taller(points)
                 if n_facets == len(facets):
-                    facets = _more(facets)
+                    facets = taller(facets)
                 edge, size = at[f], 0
                 while True:
                     v = edge >> 2

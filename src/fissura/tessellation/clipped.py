@@ -55,7 +55,7 @@ class Facets:
         return Facets(body, other, plane, self.polygons.picked(new.polygons, chosen), area, centroid)
 
 
-@njit(cache=True)
+@njit()
 def _merged(  # type: ignore[no-untyped-def]
     body, other, plane, area, centroid, stay, number, new_body, new_other, new_plane, new_area, new_centroid
 ):
@@ -176,7 +176,7 @@ def plane_keys(complex_: Complex) -> IntArray:
     return out
 
 
-@njit(cache=True)
+@njit()
 def _arranged(order, count, facets, inner):  # type: ignore[no-untyped-def]
     """Facets between bodies, or those on the surface, sorted by body, what lies behind, plane, and as they come."""
     first = np.zeros(len(count) + 1, np.int64)

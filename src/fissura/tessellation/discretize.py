@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,10 @@ from fissura.tessellation.selection import select
 from fissura.tessellation.structure import LEDGE, Contacts, Polygons, SurfaceFacets, Tessellation
 from fissura.tessellation.voronoi import Cells, voronoi_cells
 
-__all__ = ["Specimen", "discretize", "tessellate"]
+if TYPE_CHECKING:
+    from fissura.specimen.domain import Domain
+
+__all__ = ["discretize", "tessellate"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -25,20 +28,6 @@ _NEGLIGIBLE = 1e-10  # of the squared spacing: facets that exist by round-off on
 _LOST = 1e-9  # of the volume: what round-off may lose
 _LOST_IN_SLIVERS = 1e-6  # the same where convex cells are nearly flat
 _SLIVER = 1e-3  # of a cell's longest diagonal: its height, below which it is nearly flat
-
-
-class Specimen(Protocol):
-    """What is discretized: convex cells, and names of the surfaces in the order of their numbers."""
-
-    @property
-    def complex(self) -> Complex:
-        """The convex cells."""
-        ...
-
-    @property
-    def surfaces(self) -> tuple[str, ...]:
-        """Names of the surfaces."""
-        ...
 
 
 def _polygons(facets: Joined) -> Polygons:
@@ -162,7 +151,7 @@ def tessellate(
 
 
 def discretize(
-    nuclei: Nuclei, specimen: Specimen, spacing: FloatArray, previous: Tessellation | None = None
+    nuclei: Nuclei, domain: Domain, spacing: FloatArray, previous: Tessellation | None = None
 ) -> Tessellation:
     """Discretize the specimen with a wanted spacing.
 
@@ -170,8 +159,8 @@ def discretize(
     ----------
     nuclei : Nuclei
         All fine nuclei of the specimen.
-    specimen : Specimen
-        Its convex cells and surfaces.
+    domain : Domain
+        The specimen.
     spacing : (N,) array
         Wanted spacing at every fine nucleus [m], 0 inside the refined region.
     previous : Tessellation, optional
@@ -182,8 +171,8 @@ def discretize(
     return tessellate(
         nuclei.x[kept],
         nuclei.home[kept],
-        specimen.complex,
-        specimen.surfaces,
+        domain.complex,
+        domain.surfaces,
         np.maximum(spacing[kept], nuclei.spacing),
         kept,
         fine,

@@ -42,7 +42,7 @@ class Grid(NamedTuple):
     x: FloatArray
 
 
-@njit(cache=True)
+@njit()
 def _sort(x, low, side, shape):  # type: ignore[no-untyped-def]
     n = len(x)
     cell = np.empty(n, np.int64)
@@ -76,7 +76,7 @@ def grid_of(x: FloatArray, spacing: float) -> Grid:
     return Grid(low, side, shape, *_sort(x, low, side, shape))
 
 
-@njit(cache=True)
+@njit()
 def within(x, reach2, grid):  # type: ignore[no-untyped-def]
     """Whether a point of the grid lies within each point's own (squared) reach, its rim included."""
     out = np.zeros(len(x), np.bool_)

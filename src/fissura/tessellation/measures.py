@@ -28,7 +28,7 @@ def polygon_measures(polygons: Ragged) -> tuple[FloatArray, FloatArray]:
     return np.sqrt(np.einsum("qa,qa->q", vector, vector)), centroid
 
 
-@njit(cache=True)
+@njit()
 def _joined(body, other, plane, size, centroid, smallest):  # type: ignore[no-untyped-def]
     """Polygons that are large enough, the facet of each, the first polygon of each facet, and sums over facets."""
     chosen, facet = np.empty(len(body), np.int64), np.empty(len(body), np.int64)
@@ -94,7 +94,7 @@ def joined(facets: Facets, smallest: float) -> Joined:
     return Joined(polygons, facet, first, area, centre)
 
 
-@njit(cache=True)
+@njit()
 def _lines(x, bodies):  # type: ignore[no-untyped-def]
     direction = np.empty((len(bodies), 3))
     length = np.empty(len(bodies))
@@ -112,7 +112,7 @@ def lines(x: FloatArray, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
     return direction, length
 
 
-@njit(cache=True)
+@njit()
 def _volumes(x, bodies, area, length, body, skin_area, centroid, normal):  # type: ignore[no-untyped-def]
     out = np.zeros(len(x))
     for k in range(len(bodies)):
@@ -141,7 +141,7 @@ def volumes(
     return np.asarray(_volumes(x, bodies, area, length, body, skin_area, centroid, normal))
 
 
-@njit(cache=True)
+@njit()
 def _volume_of(corner_start, corner, twin, face, plane_start, normal, offset):  # type: ignore[no-untyped-def]
     total = 0.0
     for k in range(len(corner_start) - 1):

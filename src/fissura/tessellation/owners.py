@@ -45,10 +45,13 @@ def owners(bodies: Bodies, points: FloatArray, cells: IntArray) -> IntArray:
         Index of the body.
     """
     out = np.empty(len(points), np.int64)
+    anyones = np.zeros(len(points), np.bool_)
     for cell in np.unique(cells):
         here, there = cells == cell, bodies.inside(int(cell))
         if there is None:
-            out[here] = cKDTree(bodies.x).query(points[here])[1]
+            anyones |= here
         else:
             out[here] = there[cKDTree(bodies.x[there]).query(points[here])[1]]
+    if anyones.any():
+        out[anyones] = cKDTree(bodies.x).query(points[anyones])[1]
     return out

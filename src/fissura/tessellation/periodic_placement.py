@@ -42,7 +42,7 @@ def _enter(p, n, x, grid, shape, side, cell):  # type: ignore[no-untyped-def]
     return n
 
 
-@njit(cache=True)
+@njit()
 def _place(side, spacing, cell, shape, steps, roots, rng, max_level, rate):  # type: ignore[no-untyped-def]
     grid = np.full((shape[0] + 4) * (shape[1] + 4) * (shape[2] + 4), -1, np.int32)
     # Balls of half the spacing do not overlap, and all nuclei and images lie in the grid and its margin.

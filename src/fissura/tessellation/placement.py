@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from fissura.kernels import njit
 from fissura.specimen.complex import Complex
 from fissura.tessellation.roots import holder, roots_of
-from fissura.tessellation.search import INNER
+from fissura.tessellation.search import INNER, longer, taller
 from fissura.tessellation.voxels import Placed, cell_of, divided, free, surroundings
 
-__all__ = ["expected_count", "place"]
+__all__ = ["place"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -28,11 +28,6 @@ _REGULAR = 1e-9
 
 _TRIALS_PER_VOXEL = 2.0
 _ON_FACE = 1e-9  # of a voxel's side: a point may lie so far outside of a convex cell
-
-
-def expected_count(size: tuple[float, float, float], spacing: float) -> float:
-    """Expected number of nuclei in a saturated box with free walls, ``0.734 prod(size_k / l + 0.6)``."""
-    return float(0.734 * np.prod(np.asarray(size) / spacing + 0.6))
 
 
 @njit(**INNER)
@@ -51,11 +46,11 @@ def _first(shape, roots):  # type: ignore[no-untyped-def]
     return active[:count].copy(), root[:count].copy()
 
 
-@njit(cache=True)
+@njit()
 def _place(spacing, cell, shape, steps, roots, given, rng, max_level, rate):  # type: ignore[no-untyped-def]
     grid = np.full((shape[0] + 4) * (shape[1] + 4) * (shape[2] + 4), -1, np.int32)
     active, root = _first(shape, roots)
-    _, start, cells, begin, end, normal, offset = roots
+    interior, start, cells, begin, end, normal, offset = roots
     capacity = 1024 + len(given) + len(active) // 4
     x, home = np.empty((capacity, 3)), np.empty(capacity, np.int64)
     taken, n = np.zeros(len(given), np.bool_), 0
@@ -69,6 +64,7 @@ def _place(spacing, cell, shape, steps, roots, given, rng, max_level, rate):  # 
         placed = Placed(x, grid, steps, shape, cell, l2)
         trials = int(rate * count) + 1 if g >= len(given) else len(given)
         for _ in range(trials):
+            least = -_ON_FACE * side  # round-off may leave a given nucleus on a face outside of all cells
             if g < len(given):
                 v = -1
                 for a in range(3):
@@ -81,23 +77,20 @@ def _place(spacing, cell, shape, steps, roots, given, rng, max_level, rate):  # 
                 v = int(rng.random() * count)
                 for a in range(3):
                     p[a] = (active[v, a] + rng.random()) * side
-                r = -1
+                r, least = root[v], 0.0
+            # Whichever is more likely to refuse the point is asked first.
+            k = -1 if interior[r] else holder(p, r, start, cells, begin, end, normal, offset, least)
+            if k < 0 and not interior[r]:
+                continue
             if not free(p, x, grid, steps, shape, cell, l2_given if v < 0 else l2):
                 continue
-            least = -_ON_FACE * side  # round-off may leave a given nucleus on a face outside of all cells
-            if v >= 0:
-                r, least = root[v], 0.0
-            k = holder(p, r, start, cells, begin, end, normal, offset, least)
-            if k < 0:
-                continue
+            if interior[r]:
+                k = holder(p, r, start, cells, begin, end, normal, offset, least)
+                if k < 0:
+                    continue
             if n == capacity:
                 capacity *= 2
-                bigger, longer = np.empty((capacity, 3)), np.empty(capacity, np.int64)
-                for i in range(n):
-                    longer[i] = home[i]
-                    for a in range(3):
-                        bigger[i, a] = x[i, a]
-                x, home = bigger, longer
+                x, home = taller(x), longer(home)
                 placed = Placed(x, grid, steps, shape, cell, l2)
             for a in range(3):
                 x[n, a] = p[a]

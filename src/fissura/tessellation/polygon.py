@@ -46,7 +46,7 @@ def area2(points, count):  # type: ignore[no-untyped-def]
     return v0 * v0 + v1 * v1 + v2 * v2
 
 
-@njit(cache=True)
+@njit()
 def _areas(points, offsets):  # type: ignore[no-untyped-def]
     q = len(offsets) - 1
     vector = np.zeros((q, 3))

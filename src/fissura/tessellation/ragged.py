@@ -15,7 +15,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-@njit(cache=True)
+@njit()
 def _layout(offsets, more_offsets, chosen):  # type: ignore[no-untyped-def]
     count = len(offsets) - 1
     out = np.zeros(len(chosen) + 1, np.int64)
@@ -28,7 +28,7 @@ def _layout(offsets, more_offsets, chosen):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True)
+@njit()
 def _fill(points, offsets, more_points, more_offsets, chosen, out_offsets, out):  # type: ignore[no-untyped-def]
     count = len(offsets) - 1
     for k in range(len(chosen)):

@@ -53,7 +53,7 @@ class Roots(NamedTuple):
     offset: FloatArray
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def extremes(low, high, normal, f):  # type: ignore[no-untyped-def]
     """Least and largest coordinate of a box along a normal."""
     least, most = 0.0, 0.0
@@ -129,7 +129,7 @@ def _crossing(low, high, first, last, normal, offset, crossing):  # type: ignore
     return n
 
 
-@njit(cache=True)
+@njit()
 def _met(shape, side, low, high, plane_start, normal, offset):  # type: ignore[no-untyped-def]
     """Roots with the cells that they meet, and with the planes of these."""
     total = shape[0] * shape[1] * shape[2]

@@ -29,7 +29,7 @@ def _free(p, l2, x, grid, head, following):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True)
+@njit()
 def _select(x, priority, spacing, side):  # type: ignore[no-untyped-def]
     n = len(x)
     order = np.empty(n, np.int64)

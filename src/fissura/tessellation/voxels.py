@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fissura.kernels import njit
 from fissura.tessellation.piece import work_arrays
 from fissura.tessellation.roots import extremes, part_of
-from fissura.tessellation.search import INNER
+from fissura.tessellation.search import INNER, longer, taller
 
 __all__ = ["Placed", "cell_of", "divided", "free", "surroundings"]
 
@@ -57,7 +57,7 @@ def surroundings(size: FloatArray, cell: float) -> tuple[IntArray, IntArray]:
     return shape, (away[:, 0] * (shape[1] + 4) + away[:, 1]) * (shape[2] + 4) + away[:, 2]
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def cell_of(p0, p1, p2, shape, cell):  # type: ignore[no-untyped-def]
     """Number of the grid cell of a point."""
     return ((int(p0 / cell) + 2) * (shape[1] + 4) + int(p1 / cell) + 2) * (shape[2] + 4) + int(p2 / cell) + 2
@@ -260,18 +260,21 @@ def divided(active, root, parts, side, roots, placed):  # type: ignore[no-untype
     corner = np.empty((2048, 3))
     for v in range(len(active)):
         if kept + 8 > len(out):
-            longer, longer_root = np.empty((2 * len(out), 3), np.int32), np.empty(2 * len(out), np.int32)
-            for k in range(kept):
-                longer_root[k] = out_root[k]
-                for a in range(3):
-                    longer[k, a] = out[k, a]
-            out, out_root = longer, longer_root
+            out, out_root = taller(out), longer(out_root)
         for a in range(3):
             low[a] = active[v, a] * side
             high[a] = low[a] + side
-        whole = interior[root[v]] or _inside(low, high, root[v], roots)
+        whole, square = interior[root[v]], False
+        if not whole:
+            square = _limits(root[v], start, begin, end, normal, offset, limits)
+            if square:
+                whole = True
+                for a in range(3):
+                    whole &= limits[0, a] <= low[a] and high[a] <= limits[1, a]
+                square = not whole
+            else:
+                whole = _inside(low, high, root[v], roots)
         # The centre is a corner of all eight parts, so what covers one of them covers the centre.
-        square = not whole and _limits(root[v], start, begin, end, normal, offset, limits)
         n = 0
         if whole:
             m0, m1, m2 = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])

@@ -85,7 +85,7 @@ def torus(covariance: Covariance, size: tuple[float, float, float], spacing: Flo
     ]
 
 
-@njit(cache=True)
+@njit()
 def _cells(x, inverse, cells, place, within):  # type: ignore[no-untyped-def]
     """First node of the stencil of each point, and position in the cell [cells]."""
     for p in range(len(x)):
@@ -96,7 +96,7 @@ def _cells(x, inverse, cells, place, within):  # type: ignore[no-untyped-def]
             within[p, a] = s - i
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@njit(fastmath={"reassoc", "contract"})
 def _estimate_separable(place, weights, scale, values, out):  # type: ignore[no-untyped-def]
     """Estimate from weights (3, n, 4) along the axes; scale (3, n) are their variances."""
     for p in range(len(out)):
@@ -113,7 +113,7 @@ def _estimate_separable(place, weights, scale, values, out):  # type: ignore[no-
         out[p] = total / np.sqrt(scale[0, p] * scale[1, p] * scale[2, p])
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@njit(fastmath={"reassoc", "contract"})
 def _estimate(place, correlation, inverse, values, stencil, out):  # type: ignore[no-untyped-def]
     """Estimate from correlations (n, s) with the nodes around."""
     near = np.empty(len(inverse))

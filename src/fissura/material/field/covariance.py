@@ -78,7 +78,7 @@ MODELS: dict[str, Model] = {
 _LARGEST_ORDER = 50.0
 
 
-@njit(cache=True)
+@njit()
 def _look_up(x, nodes, inverse, table, step, out):  # type: ignore[no-untyped-def]
     """Correlation of every point with every node, from cubic pieces of a table."""
     last = len(table) - 1

@@ -71,7 +71,7 @@ class _Axis:
         return covariance.of(np.abs(x[:, None] - self.nodes) / self.length) @ self.basis
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@njit(fastmath={"reassoc", "contract"})
 def _contract(a, b, c, xi, counts, out):  # type: ignore[no-untyped-def]
     """Sum over kept modes at every point, over the square root of its variance."""
     total = np.empty(c.shape[1] + 1)
