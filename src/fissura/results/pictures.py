@@ -212,7 +212,7 @@ def fill_measured(axes: Axes, band: MeasuredBand, x_scale: float, y_scale: float
         band.upper * y_scale,
         color=GREY,
         alpha=0.75,
-        linewidth=0,
+        linewidth=1.5,  # a mean curve, both loads the same, is a line
         label="measured",
         zorder=1,
     )
