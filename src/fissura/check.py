@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -37,9 +38,8 @@ class CheckReport:
         Estimated memory [bytes] of the first discretization and of full resolution.
     memory_machine : float
         Memory of this machine [bytes].
-    tension_limit, shear_limit, mixed_limit : float
-        Limits [m] on the length of a fine contact: no snap-back in tension, none in shear, and shear less brittle
-        than tension.
+    limits : mapping of str to float
+        Limits [m] on the length of a fine contact, by the names that the law gives them.
     longest_contact : float
         Longest fine contact [m] there can be: that of the first discretization, or twice ``l_f``, four times it beside
         a notch.
@@ -72,9 +72,7 @@ class CheckReport:
     memory_start: float
     memory_full: float
     memory_machine: float
-    tension_limit: float
-    shear_limit: float
-    mixed_limit: float
+    limits: Mapping[str, float]
     longest_contact: float
     control: str
     target: float
@@ -132,9 +130,7 @@ class CheckReport:
                 f"about {gigabytes(self.memory_full)} of {gigabytes(self.memory_machine)}",
             ),
             ("longest fine contact", f"{self.longest_contact * 1e3:.4g} mm"),
-            ("limit in tension", f"{self.tension_limit * 1e3:.4g} mm"),
-            ("limit in shear", f"{self.shear_limit * 1e3:.4g} mm"),
-            ("limit of both together", f"{self.mixed_limit * 1e3:.4g} mm"),
+            *((f"limit {name}", f"{limit * 1e3:.4g} mm") for name, limit in self.limits.items()),
             *self.field_rows,
             ("control", self._end),
             ("steps", self._steps),
@@ -160,6 +156,7 @@ def report(case: Case) -> CheckReport:
         If anything in the case is wrong, or the specimen does not fit into memory.
     """
     require_memory(case)
+    from fissura.contact import law_from_case
     from fissura.material import material_from_case
     from fissura.simulation import Simulation
 
@@ -170,14 +167,15 @@ def report(case: Case) -> CheckReport:
     simulation = Simulation(case)
     contacts = simulation.tessellation.contacts
     lengths = contacts.length[contacts.fine]
-    material, machine = material_from_case(case), physical_memory()
+    machine = physical_memory()
+    limits = law_from_case(case).limits(material_from_case(case))
     # Saturated: no point is farther than l_f from a nucleus, so no two neighbours are more than 2 l_f apart. At a notch
     # that nucleus may lie across it, and the nearest one on the point's own side as far again.
     bound = (4.0 if case.notch else 2.0) * case.discretization.l_f if case.discretization.nuclei is None else 0.0
     longest = max(bound, float(lengths.max(initial=0.0)))
     memory_full = estimate_memory(simulation.bodies_full)
     warnings = list(simulation.notices)
-    if longest >= material.longest:
+    if longest >= min(limits.values(), default=math.inf):
         warnings.append(
             Notice(
                 "discretization.l_f",
@@ -205,9 +203,7 @@ def report(case: Case) -> CheckReport:
         memory_start=estimate_memory(simulation.bodies_start),
         memory_full=memory_full,
         memory_machine=machine,
-        tension_limit=material.longest_tension,
-        shear_limit=material.longest_shear,
-        mixed_limit=material.longest_mixed,
+        limits=limits,
         longest_contact=longest,
         control="gauge" if case.quantity == "gauge" else "displacement of the load",
         target=case.control.target,

@@ -19,11 +19,10 @@ from fissura.adaptivity import (
     region_from_case,
 )
 from fissura.case import case_notices
-from fissura.contact import law_from_case
+from fissura.contact import check_ductile, law_from_case
 from fissura.equilibrium import Response, System, Team, check_places
 from fissura.errors import InputError
 from fissura.material import (
-    check_ductile,
     check_not_everywhere,
     elastic_from_case,
     field_from_case,

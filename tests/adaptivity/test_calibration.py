@@ -67,7 +67,7 @@ def test_compliance_needs_no_shapes(systems):
     assert bare.cells is None
     assert len(bare.contacts.polygons) == len(bare.surface.polygons) == 0
     assert len(bare.contacts) == len(full.tessellation.contacts)
-    other = System(bare, full.material, type(full.law), full.conditions)
+    other = System(bare, full.law.material, type(full.law), full.conditions)
     assert gauge_compliance(other) == gauge_compliance(full)
 
 
@@ -78,7 +78,7 @@ def test_rough_solutions_are_exact_enough(systems, gauge_is_load):
     conditions = adaptive.conditions
     if gauge_is_load:
         conditions = replace(conditions, control=conditions.load)
-    shared = (adaptive.tessellation, adaptive.material, type(adaptive.law), conditions)
+    shared = (adaptive.tessellation, adaptive.law.material, type(adaptive.law), conditions)
     direct, iterative = System(*shared, "direct"), System(*shared, "two-level")
     target = 1.02 * gauge_compliance(direct)
     assert gauge_compliance(iterative) == pytest.approx(target / 1.02, rel=1e-4)

@@ -122,8 +122,8 @@ def test_check_report(fake: type[FakeSimulation]) -> None:
         3,
         2,
     )
-    assert report.tension_limit == pytest.approx(2 * 60e9 * 35 / 2.2e6**2)
-    assert report.shear_limit == pytest.approx(report.tension_limit * 16 * 0.29 / 9)
+    assert report.limits["in tension"] == pytest.approx(2 * 60e9 * 35 / 2.2e6**2)
+    assert report.limits["in shear"] == pytest.approx(report.limits["in tension"] * 16 * 0.29 / 9)
     assert report.longest_contact == pytest.approx(0.04)
     assert report.fewest_steps == 50
     assert report.warnings == ()

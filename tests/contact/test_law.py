@@ -299,6 +299,20 @@ def test_too_long_contact():
     assert caught.value.allowed
 
 
+def test_limits_of_length_follow_the_theory():
+    """``l_t = 2 E G_t / f_t^2`` and ``(16 alpha / 9) l_t`` with the default ratios."""
+    limits = CusatisCedolin.limits(CONCRETE)
+    assert limits["in tension"] == pytest.approx(2 * 60e9 * 35 / 2.2e6**2, rel=1e-14)
+    assert limits["in shear"] == pytest.approx(16 * 0.29 / 9 * limits["in tension"], rel=1e-14)
+
+
+def test_limits_are_where_softening_moduli_grow_without_bound():
+    """``K_t -> infinity``: the softening branch becomes vertical in a contact of that length."""
+    length = CusatisCedolin.limits(CONCRETE)["in tension"] * (1 - 1e-9)
+    slope = 2 * CONCRETE.E * CONCRETE.G_t - CONCRETE.f_t**2 * length
+    assert slope / (2 * CONCRETE.E * CONCRETE.G_t) == pytest.approx(1e-9, rel=1e-5)
+
+
 def test_too_long_contact_when_tension_limits():
     material = dataclasses.replace(CONCRETE, alpha=0.9)
     limit = 2 * CONCRETE.E * CONCRETE.G_t / CONCRETE.f_t**2

@@ -170,9 +170,9 @@ def test_elastic_forces_are_those_of_the_secant_matrix_without_damage(mixed):
 
 def test_contacts_that_differ_from_a_secant_stiffness(mixed):
     rng = np.random.default_rng(4)
-    intact = rng.uniform(0.1, 1.0, len(mixed.active))
+    intact = rng.uniform(0.1, 1.0, (len(mixed.active), 3))
     tangent = np.zeros((len(mixed.active), 3, 3))
-    tangent[:, range(3), range(3)] = intact[:, None] * mixed.moduli[mixed.active]
+    tangent[:, range(3), range(3)] = intact * mixed.moduli[mixed.active]
     differ = np.array([0, 3, len(tangent) - 1])
     by = 1e-9 * CONCRETE.E * rng.normal(size=(3, 3, 3))
     tangent[differ] += by

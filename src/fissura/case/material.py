@@ -5,7 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    Field,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    SerializationInfo,
+    SerializerFunctionWrapHandler,
+    TypeAdapter,
+    ValidationInfo,
+    model_serializer,
+    model_validator,
+)
 
 from fissura.bulk import bulk_law
 from fissura.case.part import Part
@@ -29,6 +41,8 @@ from fissura.case.types import (
     instead,
 )
 from fissura.case.units import ENERGY_PER_AREA, STRESS, told
+from fissura.errors import InputError
+from fissura.laws import parameters_of
 
 __all__ = ["Macro", "Material"]
 
@@ -80,6 +94,45 @@ class Material(Part):
     beta: Shape = 1.0
     n_c: Exponent = 2.0
     elastic: Annotated[tuple[Region, ...], BeforeValidator(as_tuple), at_most(10_000)] = ()
+    _parameters: BaseModel | None = PrivateAttr(default=None)
+
+    @property
+    def parameters(self) -> BaseModel | None:
+        """Constants of the law's own table ``[material.NAME]``, an instance of its model; None where it has none."""
+        return self._parameters
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _with_parameters(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        """Take out the table that has the law's name, and let the law's own model validate it."""
+        name = data.get("law", cls.model_fields["law"].default) if isinstance(data, Mapping) else None
+        if not isinstance(name, str) or name in cls.model_fields:
+            return handler(data)
+        try:
+            model = parameters_of(name)
+        except InputError:
+            if (info.context or {}).get("files_exist", True):
+                raise
+            # A case that was run where the law is known, and is only looked at here.
+            return handler({key: value for key, value in data.items() if key != name})
+        if model is None:
+            return handler(data)
+        found = handler({key: value for key, value in data.items() if key != name})
+        # As an entry of a dictionary, so that errors tell the whole key.
+        found._parameters = TypeAdapter(dict[str, model]).validate_python({name: data.get(name, {})})[name]  # type: ignore[valid-type]
+        return found
+
+    @model_serializer(mode="wrap")
+    def _dumped(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> dict[str, Any]:
+        out: dict[str, Any] = handler(self)
+        if self._parameters is not None:
+            out[self.law] = self._parameters.model_dump(mode=info.mode)
+        return out
+
+    @classmethod
+    def table(cls, key: str) -> type[BaseModel] | None:
+        """Model of a table that is not among the fields: that of a law."""
+        return None if key in cls.model_fields else parameters_of(key)
 
     @model_validator(mode="after")
     def _ratios(self) -> Self:
@@ -114,4 +167,8 @@ class Material(Part):
 
     def _given(self, update: Mapping[str, Any]) -> dict[str, Any]:
         replaced = ("macro",) if update.get("macro") is None else ("E", "alpha")
-        return {key: value for key, value in super()._given(update).items() if key not in replaced}
+        given = {key: value for key, value in super()._given(update).items() if key not in replaced}
+        own = (
+            {} if self._parameters is None or update.get("law", self.law) != self.law else {self.law: self._parameters}
+        )
+        return given | own

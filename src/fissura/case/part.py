@@ -17,6 +17,11 @@ class Part(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
+    @classmethod
+    def table(cls, key: str) -> type[BaseModel] | None:
+        """Model of a table that is not among the fields; None where there is none."""
+        return None
+
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Copy with other values; defaults that were not given follow them.
 

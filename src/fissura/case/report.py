@@ -151,9 +151,16 @@ def _models(model: type[BaseModel], location: Location) -> list[type[BaseModel]]
     models = [model]
     for part in location:
         if isinstance(part, str):
-            fields = [item.model_fields[part] for item in models if part in item.model_fields]
-            models = [found for field in fields for found in _inside(field.annotation)]
+            models = [found for item in models for found in _tables(item, part)]
     return models
+
+
+def _tables(model: type[BaseModel], key: str) -> list[type[BaseModel]]:
+    """Models that may stand at a key."""
+    if key in model.model_fields:
+        return _inside(model.model_fields[key].annotation)
+    found = model.table(key) if hasattr(model, "table") else None
+    return [] if found is None else [found]
 
 
 def _inside(annotation: Any) -> list[type[BaseModel]]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import TYPE_CHECKING
 
+from fissura.case.plausible import suspect
 from fissura.contact.kinematics import (
     Kinematics,
     add_stiffness,
@@ -16,26 +18,25 @@ from fissura.contact.law import CusatisCedolin
 from fissura.contact.protocol import ContactLaw
 from fissura.contact.stress import body_stress
 from fissura.errors import InputError
+from fissura.laws import law_named
+from fissura.material import material_from_case
 
 if TYPE_CHECKING:
     from fissura.case import Case
 
 __all__ = [
-    "LAWS",
     "ContactLaw",
     "CusatisCedolin",
     "Kinematics",
     "add_stiffness",
     "body_stress",
+    "check_ductile",
     "contact_strains",
     "kinematics",
     "kinematics_of",
     "law_from_case",
     "nodal_forces",
 ]
-
-#: Contact laws by the name that a case file gives.
-LAWS: dict[str, type[ContactLaw]] = {"cusatis-cedolin": CusatisCedolin}
 
 
 def law_from_case(case: Case) -> type[ContactLaw]:
@@ -44,9 +45,28 @@ def law_from_case(case: Case) -> type[ContactLaw]:
     Raises
     ------
     InputError
-        Unknown law.
+        Unknown law, or one of another package that cannot be used.
     """
-    law = LAWS.get(case.material.law)
-    if law is None:
-        raise InputError("material.law", f"{case.material.law!r} is not known", ", ".join(sorted(LAWS)))
-    return law
+    return law_named(case.material.law)
+
+
+def check_ductile(case: Case) -> None:
+    """Fine contacts must be able to soften: all are longer than ``l_f``, and a longer limit leaves none out.
+
+    Raises
+    ------
+    InputError
+        None of them can. Where a constant of the material looks wrong, it is named rather than ``l_f``.
+    """
+    l_f = case.discretization.l_f
+    longest = min(law_from_case(case).limits(material_from_case(case)).values(), default=inf)
+    if not 0.0 < longest <= l_f:
+        return
+    problem = (
+        f"contacts of this material soften properly only where they are shorter than {1e3 * longest:.4g} mm,"
+        f" and fine ones are longer than l_f = {1e3 * l_f:.4g} mm"
+    )
+    odd = suspect(case, "material")
+    if odd is not None:
+        raise InputError(odd.key, f"{odd.problem}; {problem}", odd.advice)
+    raise InputError("discretization.l_f", problem, "a smaller l_f, a larger material.G_t or a smaller material.f_t")

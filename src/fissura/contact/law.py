@@ -6,6 +6,7 @@ One damage variable per contact; three running values of history: damage, larges
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,9 @@ _INTACT_SHARE = 1e-9  # of the stiffness is left to a broken contact, so that lo
 
 #: Compressive cap over the stress at which it would meet the strength in pure shear, at least.
 _LEAST_CAP = 1.001
+
+#: Name of the limit from which shear and tension soften alike.
+_BOTH = "of both together"
 
 #: Difference of softening moduli that is round-off, relative to the larger one.
 _ROUND_OFF = 1e-12
@@ -241,6 +245,8 @@ class CusatisCedolin:
         Angle at which both strength surfaces meet [rad].
     """
 
+    Parameters: ClassVar[None] = None
+
     material: Material
     length: FloatArray
     scale: FloatArray
@@ -279,13 +285,14 @@ class CusatisCedolin:
             A contact longer than the law allows without snap-back.
         """
         m = material
-        if m.longest_mixed <= 0.0:
+        limits = cls.limits(m)
+        if limits[_BOTH] <= 0.0:
             raise InputError(
                 "material.G_s",
                 f"{m.G_s:g} J/m^2: shear softens faster than tension",
                 f"more than {m.G_t * m.f_s**2 / m.f_t**2:g} J/m^2, G_t f_s^2 / f_t^2",
             )
-        longest = m.longest
+        longest = min(limits.values())
         if ductility is not None:
             _check_ductility(length, ductility, longest)
             length = length / ductility
@@ -305,6 +312,31 @@ class CusatisCedolin:
         n_t = np.log(k_t / apart) / np.log(1.0 - 2.0 * omega0 / np.pi)
         return cls(m, length, np.ones(len(length)) if scale is None else scale, k_t, k_s, n_t, omega0)
 
+    @classmethod
+    def limits(cls, material: Material) -> dict[str, float]:
+        """Lengths [m] that contacts must not reach.
+
+        Tension and shear would snap back from ``2 E G_t / f_t^2`` and ``2 alpha E G_s / f_s^2`` on; from the third
+        limit on shear would soften as fast as tension, so that ``K_s = K_t``. With the default ratios that is ``(7/9)
+        l_t alpha / (1 - alpha)``; it is negative where shear is the more brittle at any length.
+        """
+        m = material
+        surplus = m.G_s / m.f_s**2 - m.G_t / m.f_t**2
+        if m.alpha >= 1.0:
+            both = float("inf") if surplus > 0.0 else -float("inf")
+        else:
+            both = 2.0 * m.alpha * m.E / (1.0 - m.alpha) * surplus
+        return {
+            "in tension": 2.0 * m.E * m.G_t / m.f_t**2,
+            "in shear": 2.0 * m.alpha * m.E * m.G_s / m.f_s**2,
+            _BOTH: both,
+        }
+
+    @property
+    def strength(self) -> float:
+        """Tensile strength of a contact of unit relative strength [Pa]."""
+        return self.material.f_t
+
     @property
     def elastic(self) -> FloatArray:
         """Elastic moduli of the three strain components [Pa], shape (3,)."""
@@ -317,6 +349,14 @@ class CusatisCedolin:
     def damage(self, history: FloatArray) -> FloatArray:
         """Damage; (m, 3) -> (m,)."""
         return history[:, 0]
+
+    def intact(self, history: FloatArray) -> FloatArray:
+        """Share ``1 - D`` of each elastic modulus that is left; (m, 3) -> (m, 3)."""
+        return np.repeat(1.0 - history[:, 0], 3).reshape(-1, 3)
+
+    def unloaded(self, strain: FloatArray, history: FloatArray) -> FloatArray:
+        """The same history: the law does not remember where contacts are now."""
+        return history
 
     def loading(self, strain: FloatArray, history: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Squares of the effective strain now and at most, ``e_N^2 + alpha e_T^2``; of compression nothing is kept.

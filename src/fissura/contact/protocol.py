@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, Self
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+
     from fissura.material import Material
 
 __all__ = ["ContactLaw"]
@@ -19,8 +22,19 @@ class ContactLaw(Protocol):
     """A law for a set of k contacts: tractions from strains and history.
 
     It keeps no state. What it has to remember of a contact is a row of history, of as many columns as it likes; what
-    they mean only the law knows.
+    they mean only the law knows. Its stiffness without growth of damage is linear in pieces: tractions are elastic ones
+    times shares :meth:`intact`, which change at most where a contact opens or closes.
     """
+
+    #: Model of the table ``[material.NAME]`` of the case file, for constants of this law alone; None: it has none.
+    Parameters: ClassVar[type[BaseModel] | None] = None
+
+    @classmethod
+    def limits(cls, material: Material) -> Mapping[str, float]:
+        """Lengths [m] that contacts with damage must not reach, by what would go wrong there; empty where none would.
+
+        ``fissura check`` shows a limit named "in tension" as "limit in tension"; the least one counts.
+        """
 
     @classmethod
     def create(
@@ -35,7 +49,7 @@ class ContactLaw(Protocol):
         Parameters
         ----------
         material : Material
-            Parameters where the field has its mean.
+            Constants of ``[material]`` where the field has its mean; `parameters` are those of the law's own table.
         length : (k,) array
             Contact lengths [m]; k may be 0.
         scale : (k,) array, optional
@@ -57,11 +71,28 @@ class ContactLaw(Protocol):
     def elastic(self) -> FloatArray:
         """Elastic moduli of the three strain components [Pa], shape (3,)."""
 
+    @property
+    def strength(self) -> float:
+        """Tensile strength of a contact of unit relative strength [Pa]."""
+
     def initial_history(self) -> FloatArray:
         """History of virgin contacts, shape (k, h)."""
 
     def damage(self, history: FloatArray) -> FloatArray:
-        """Damage, 0 to 1: the share of the elastic stiffness that unloading has lost; (k, h) -> (k,)."""
+        """Damage, 0 to 1, as results show it and by which cracks are told; never falls; (k, h) -> (k,)."""
+
+    def intact(self, history: FloatArray) -> FloatArray:
+        """Share of each elastic modulus that an accepted state has left; (k, h) -> (k, 3), positive.
+
+        Where damage does not grow, tractions are ``intact(history) * elastic * strain`` with the history that belongs
+        to the strain.
+        """
+
+    def unloaded(self, strain: FloatArray, history: FloatArray) -> FloatArray:
+        """History at strains (k, 3) that were reached without any growth of damage; (k, h) -> (k, h).
+
+        The same for laws that do not remember where contacts are now.
+        """
 
     def loading(self, strain: FloatArray, history: FloatArray) -> tuple[FloatArray, FloatArray]:
         """How far contacts are strained now, and have been at most.
@@ -83,7 +114,7 @@ class ContactLaw(Protocol):
     def response(self, strain: FloatArray, history: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Tractions ``s_N, s_M, s_L`` [Pa], shape (k, 3), and what history becomes; from strain and accepted history.
 
-        All unloading goes to the origin: tractions are elastic ones times one minus damage.
+        All unloading goes to the origin: tractions are the elastic ones times `intact` of the new history.
         """
 
     def tangent(self, strain: FloatArray, history: FloatArray) -> FloatArray:

@@ -29,7 +29,7 @@ def _changes(tangent, intact, moduli, active, least, chosen, change):  # type: i
             for b in range(3):
                 entry = tangent[k, a, b]
                 if a == b:
-                    entry -= intact[k] * moduli[active[k], a]
+                    entry -= intact[k, a] * moduli[active[k], a]
                 change[count, a, b] = entry
                 size = max(size, abs(entry))
         if size > least:
@@ -52,8 +52,8 @@ def changes(
     ----------
     tangent : (k, 3, 3) array
         Tangent ``ds/de`` of the contacts with damage [Pa].
-    intact : (k,) array
-        Share of the elastic stiffness that the secant stiffness has.
+    intact : (k, 3) array
+        Shares of the elastic moduli that the secant stiffness has.
     moduli : (m, 3) array
         Elastic stiffness of all contacts [Pa].
     active : (k,) array

@@ -127,7 +127,7 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
     u = unit * (value / reach)
     strain_only = system.response(u, history)
     traction = strain_only.strain * system.moduli
-    traction[system.active] *= system.intact(history)[:, None]
+    traction[system.active] *= system.law.intact(history)
     response = Response(u, strain_only.strain, traction, history, system.internal(traction, u))
     return Equilibrium(response, value / reach, value, iterations=1)
 
@@ -165,7 +165,7 @@ class StepSolver:
         ----------
         system : System
             Equations.
-        history : (k, 3) array
+        history : (k, h) array
             Accepted history.
         constraint : Constraint
             How far to go.

@@ -32,8 +32,8 @@ class PreparedSecant:
     ----------
     count : int
         Preparations so far.
-    intact : (k,) array
-        ``1 - D`` of the contacts with damage in the latest one.
+    intact : (k, 3) array
+        Shares of their elastic moduli that contacts with damage had left in the latest one.
     unit : (6 n,) array
         Displacements that the unit load causes with that stiffness, more or less.
     unit_forces : (6 n,) array
@@ -45,7 +45,7 @@ class PreparedSecant:
         self._system, self._solver = proxy(system), solver
         self.count = 0
         self._matrix = -1  # number of the matrix that it prepared
-        self.intact: FloatArray = np.empty(0)
+        self.intact: FloatArray = np.empty((0, 3))
         self.unit: FloatArray = np.empty(0)
         self.unit_forces: FloatArray = np.empty(0)
         self._exact = False
@@ -57,7 +57,7 @@ class PreparedSecant:
 
     def is_for(self, history: FloatArray) -> bool:
         """Whether it is prepared for the damage of a history: to prepare again would change nothing."""
-        return self.ready and np.array_equal(self._system.intact(history), self.intact)
+        return self.ready and np.array_equal(self._system.law.intact(history), self.intact)
 
     def solve(self, history: FloatArray) -> FloatArray:
         """Displacements under the unit load with given damage, (6 n,).
@@ -97,7 +97,7 @@ class PreparedSecant:
         self._system.factor_secant(history)
         self._matrix = self._solver.matrices
         self.count += 1
-        self.intact, self._exact = self._system.intact(history), False
+        self.intact, self._exact = self._system.law.intact(history), False
 
     def apply(self, right: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Approximate displacements for given forces, and the forces that these need exactly; (6 n,) -> (6 n,) each."""

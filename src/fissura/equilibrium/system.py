@@ -77,7 +77,7 @@ class Response:
         Displacements and rotations.
     strain, traction : (m, 3) array
         Of all contacts; tractions in Pa.
-    history : (k, 3) array
+    history : (k, h) array
         History of the contacts with damage, if these displacements were accepted.
     forces : (6 n,) array
         Internal forces and moments, supports included.
@@ -146,7 +146,6 @@ class System:
                 "so small that there are several bodies",
             )
         self.tessellation = tessellation
-        self.material = material
         self.geometry: Kinematics = kinematics(tessellation)
         may_crack = ~elastic.contains(contacts.centroid)
         self.active: IntArray = np.flatnonzero(contacts.fine & may_crack)
@@ -162,6 +161,7 @@ class System:
         scale = None if field is None else field.strength(contacts.centroid[self._guarded])
         self.elastic_law: ContactLaw = law.create(material, np.full(len(self._guarded), short), scale)
         self.elastic_scale = 1.0
+        self._stiffest = float(self.law.elastic[0])
         self.moduli = self._moduli(1.0)
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
         self.control: FloatArray = attach(conditions.control, tessellation).ravel()
@@ -191,8 +191,8 @@ class System:
     @cached_property
     def strength(self) -> FloatArray:
         """Tensile strength at the nuclei [Pa], shape (n,)."""
-        factor = self.body_factor
-        return np.full(len(self.tessellation), self.material.f_t) if factor is None else self.material.f_t * factor
+        same = np.full(len(self.tessellation), self.law.strength)
+        return same if self.body_factor is None else same * self.body_factor
 
     @cached_property
     def body_factor(self) -> FloatArray | None:
@@ -235,7 +235,7 @@ class System:
         entries = rows.tocoo()
         share = entries.data / np.where(entries.col % 6 < 3, 1.0, arm[entries.col // 6])
         shares = np.bincount(entries.row, share**2, rows.shape[0])
-        typical = self.material.E * float(np.median(contacts.area / contacts.length))
+        typical = self._stiffest * float(np.median(contacts.area / contacts.length))
         return np.asarray(_SUPPORT_STIFFNESS * typical / shares, dtype=np.float64)
 
     def _supports(self, rows: csr_array) -> tuple[csr_array, LowRank]:
@@ -257,7 +257,7 @@ class System:
         count = np.bincount(contacts.bodies.ravel(), minlength=len(self.tessellation))
         few = (count[contacts.bodies] <= _FEW).any(axis=1)
         share = np.where(few, _SPIN_STIFFNESS_OF_FEW, _SPIN_STIFFNESS)
-        stiffness: FloatArray = share * self.material.E * contacts.area**2 / (12.0 * contacts.length)
+        stiffness: FloatArray = share * self._stiffest * contacts.area**2 / (12.0 * contacts.length)
         return stiffness
 
     @property
@@ -271,7 +271,7 @@ class System:
         return self.pattern.size
 
     def virgin(self) -> FloatArray:
-        """History of undamaged contacts, shape (k, 3)."""
+        """History of undamaged contacts, shape (k, h)."""
         return self.law.initial_history()
 
     def pairs(self) -> IntArray:
@@ -300,14 +300,10 @@ class System:
         """Internal forces without any damage, for displacements u; (6 n,) -> (6 n,)."""
         return self.internal(contact_strains(self.geometry, u.reshape(-1, 6)) * self.moduli, u)
 
-    def intact(self, history: FloatArray) -> FloatArray:
-        """Share ``1 - D`` of their stiffness that contacts with damage have left; shape (k,)."""
-        return 1.0 - self.law.damage(history)
-
     def secant_moduli(self, history: FloatArray) -> FloatArray:
-        """Secant stiffness ``(1 - D) (E, alpha E, alpha E)`` of every contact [Pa], shape (m, 3)."""
+        """Secant stiffness of the three strain components of every contact [Pa], shape (m, 3)."""
         moduli = self.moduli.copy()
-        moduli[self.active] *= self.intact(history)[:, None]
+        moduli[self.active] *= self.law.intact(history)
         return moduli
 
     def secant_stiffness(self, history: FloatArray) -> FloatArray:
@@ -343,8 +339,8 @@ class System:
         ----------
         tangent : (k, 3, 3) array
             Tangent ``ds/de`` of the contacts with damage [Pa].
-        intact : (k,) array
-            Share ``1 - D`` of the elastic stiffness that the secant stiffness has.
+        intact : (k, 3) array
+            Shares of the elastic moduli that the secant stiffness has.
 
         Returns
         -------
@@ -353,7 +349,7 @@ class System:
         change : (c, 3, 3) array
             By how much.
         """
-        return changes(tangent, intact, self.moduli, self.active, _SAME * self.material.E)
+        return changes(tangent, intact, self.moduli, self.active, _SAME * self._stiffest)
 
     def stored(self, response: Response) -> float:
         """Elastic energy of contacts, ``sum A L s . e / 2``, of the stiffness against spinning and of supports [J]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fissura.material.parameters import Material, check_ductile, material_from_case
+from fissura.material.parameters import Material, material_from_case
 from fissura.material.regions import Regions, check_not_everywhere, elastic_from_case
 
 if TYPE_CHECKING:
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Material",
     "Regions",
-    "check_ductile",
     "check_not_everywhere",
     "elastic_from_case",
     "field_from_case",
