@@ -22,7 +22,10 @@ __all__ = ["BUILT_IN", "GROUP", "LAWS", "known_laws", "law_named", "parameters_o
 GROUP = "fissura.laws"
 
 #: Module and class of the laws of Fissura, by name. All their constants are those of ``[material]``.
-BUILT_IN: dict[str, tuple[str, str]] = {"cusatis-cedolin": ("fissura.contact.law", "CusatisCedolin")}
+BUILT_IN: dict[str, tuple[str, str]] = {
+    "cusatis-cedolin": ("fissura.contact.law", "CusatisCedolin"),
+    "cusatis-cedolin-closing": ("fissura.contact.closing", "ClosingCusatisCedolin"),
+}
 
 #: Laws that a program has added for itself, by name: ``LAWS["mine"] = Mine``. Other processes do not know them.
 LAWS: dict[str, type[ContactLaw]] = {}

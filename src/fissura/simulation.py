@@ -383,6 +383,7 @@ class Simulation:
         path.dissipated_at = path.dissipated_at + system.carried.sums(spent)
         path.in_energy = goal.in_energy
         path.work += 0.5 * (path.load + found.load) * (displacement - path.displacement)
+        path.work -= float(system.kinks(path.now.response, found.response).sum())
         path.before, path.now, path.aim = path.now, found, None
         path.number += 1
         path.displacement, path.load = displacement, found.load

@@ -41,7 +41,7 @@ def test_energy_of_the_constraint_is_what_contacts_dissipate(system, states):
     """All unloading goes to the origin, so that load and displacement of both ends are enough."""
     for a, b in pairwise(states):
         spent = system.dissipated(a.response, b.response).sum()
-        constraint = dissipating(system.load, a.response.u, a.load, spent)
+        constraint = dissipating(system.load, a.response, a.load, spent)
         assert spent > 0
         assert constraint.gap(b.response.u, b.load) == pytest.approx(0.0, abs=1e-7 * spent)
         # Elastic unloading dissipates nothing.
@@ -57,7 +57,7 @@ def test_a_step_dissipates_what_is_asked_for(system, states):
             now.response.u + ratio * (now.response.u - before.response.u),
             now.load + ratio * (now.load - before.load),
         )
-        constraint = dissipating(system.load, now.response.u, now.load, share * spent)
+        constraint = dissipating(system.load, now.response, now.load, share * spent)
         found = StepSolver(1e-8, 30).solve(system, now.response.history, constraint, guess, 0.0)
         assert found is not None
         assert found.norms.force <= 1e-8

@@ -6,6 +6,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from fissura.case.plausible import suspect
+from fissura.contact.closing import ClosingCusatisCedolin
 from fissura.contact.kinematics import (
     Kinematics,
     add_stiffness,
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from fissura.case import Case
 
 __all__ = [
+    "ClosingCusatisCedolin",
     "ContactLaw",
     "CusatisCedolin",
     "Kinematics",

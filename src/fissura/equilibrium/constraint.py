@@ -34,6 +34,8 @@ class Constraint:
         Error, relative to `value`, with which it counts as met.
     prescribed : bool
         `value` is that of the controlled quantity, to round-off.
+    begun : Response, optional
+        Where energy leads, the state at which the step begins.
     """
 
     vector: FloatArray
@@ -41,6 +43,7 @@ class Constraint:
     value: float
     tolerance: float
     prescribed: bool = False
+    begun: Response | None = None
 
     def gap(self, u: FloatArray, load: float) -> float:
         """What is missing."""
@@ -56,24 +59,26 @@ def prescribed(control: FloatArray, value: float) -> Constraint:
     return Constraint(control, 0.0, value, 1e-9, prescribed=True)
 
 
-def dissipating(load: FloatArray, u: FloatArray, multiplier: float, energy: float) -> Constraint:
+def dissipating(load: FloatArray, begun: Response, multiplier: float, energy: float) -> Constraint:
     """Control by dissipated energy: a step away from an equilibrium takes a given energy [J].
 
     All unloading goes to the origin, so the energy that a step dissipates is linear in where it ends, ``(multiplier
-    load . u_new - multiplier_new load . u) / 2`` (Gutierrez 2004; Verhoosel, Remmers & Gutierrez 2009).
+    load . u_new - multiplier_new load . u) / 2`` (Gutierrez 2004; Verhoosel, Remmers & Gutierrez 2009). Where contacts
+    close, that counts work as dissipated which is stored (:meth:`System.kinks`): whether enough was dissipated is to be
+    seen at the end.
 
     Parameters
     ----------
     load : (6 n,) array
         Unit load.
-    u : (6 n,) array
-        Displacements of the equilibrium where the step begins.
+    begun : Response
+        The equilibrium where the step begins.
     multiplier : float
         Its load multiplier [N].
     energy : float
         Energy to dissipate.
     """
-    return Constraint(0.5 * multiplier * load, -0.5 * dot(load, u), energy, 1e-3)
+    return Constraint(0.5 * multiplier * load, -0.5 * dot(load, begun.u), energy, 1e-3, begun=begun)
 
 
 def holding(system: System, before: Response, after: Response) -> Constraint | None:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.contact import contact_strains
 from fissura.equilibrium.constraint import Constraint, holding
 from fissura.equilibrium.krylov import dot, norm
 from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
@@ -96,6 +97,10 @@ class Equilibrium:
 _UNMOVED = 1e-9
 
 
+#: Linear solutions after which contacts that still open and close are left to the next step.
+_CLOSINGS = 20
+
+
 @dataclass
 class _Trial:
     """A state on the way to equilibrium."""
@@ -109,9 +114,11 @@ class _Trial:
 
 
 def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
-    """Linear solution with the damage that is there: the controlled quantity takes the given value.
+    """Solution with the damage that is there: the controlled quantity takes the given value.
 
-    Used for the first elastic state, and to find the state of the last accepted step on a new discretization.
+    Used for the first elastic state, and to find the state of the last accepted step on a new discretization. It is
+    linear but for contacts that open or close, under laws for which these differ: they are found one linear solution
+    after another.
 
     Raises
     ------
@@ -120,16 +127,21 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
     UnmovedGaugeError
         The load does not move the controlled quantity, but for round-off.
     """
-    unit = system.prepared.solve(history)
-    reach = dot(system.control, unit)
-    if not np.isfinite(reach) or abs(reach) <= _UNMOVED * float(np.abs(system.control * unit).sum()):
-        raise UnmovedGaugeError("the load does not move the controlled quantity")
-    u = unit * (value / reach)
-    strain_only = system.response(u, history)
-    traction = strain_only.strain * system.moduli
+    for iterations in range(1, _CLOSINGS + 1):
+        unit = system.prepared.solve(history)
+        reach = dot(system.control, unit)
+        if not np.isfinite(reach) or abs(reach) <= _UNMOVED * float(np.abs(system.control * unit).sum()):
+            raise UnmovedGaugeError("the load does not move the controlled quantity")
+        u = unit * (value / reach)
+        strain = contact_strains(system.geometry, u.reshape(-1, 6))
+        moved = system.law.unloaded(strain[system.active], history)
+        if system.prepared.is_for(moved) or iterations == _CLOSINGS:
+            break
+        history = moved
+    traction = strain * system.moduli
     traction[system.active] *= system.law.intact(history)
-    response = Response(u, strain_only.strain, traction, history, system.internal(traction, u))
-    return Equilibrium(response, value / reach, value, iterations=1)
+    response = Response(u, strain, traction, history, system.internal(traction, u))
+    return Equilibrium(response, value / reach, value, iterations=iterations)
 
 
 class StepSolver:
@@ -210,7 +222,7 @@ class StepSolver:
                 return None
             if asked.load_factor != 0.0 and not self._converged(trial):
                 self._constraint = holding(self._system, begun.response, trial.response) or asked
-        if not self._converged(trial) or not self._near(asked, trial):
+        if not self._converged(trial) or not self._near(asked, trial) or not self._dissipates(asked, trial):
             return None
         norms = Norms(trial.size / self._reference(trial.load), trial.displacement, trial.energy)
         iterations = patience * self.max_iterations - self._left
@@ -251,6 +263,13 @@ class StepSolver:
             return True
         share = 1.0 - asked.gap(trial.response.u, trial.load) / asked.value
         return _NEAREST <= share <= _FARTHEST
+
+    def _dissipates(self, asked: Constraint, trial: _Trial) -> bool:
+        """Whether energy, where it leads, was dissipated, and not only work stored by contacts that closed."""
+        if asked.begun is None:
+            return True
+        spent = float(self._system.dissipated(asked.begun, trial.response).sum())
+        return spent >= _NEAREST * asked.value
 
     def _newton_phase(self, trial: _Trial) -> _Trial:
         """Newton iterations until they converge or stall."""

@@ -87,7 +87,7 @@ class Goal:
     def constraint(self, system: System, now: Equilibrium) -> Constraint:
         """The equation for a step that begins at an equilibrium."""
         if self.in_energy:
-            return dissipating(system.load, now.response.u, now.load, self.size)
+            return dissipating(system.load, now.response, now.load, self.size)
         return prescribed(system.control, self.size)
 
 
