@@ -1,4 +1,4 @@
-"""Commands that draw finished runs: ``fissura compare``, ``moments`` and ``animate``."""
+"""Commands that draw: ``fissura show`` a case, ``compare``, ``moments`` and ``animate`` finished runs."""
 
 from __future__ import annotations
 
@@ -9,13 +9,41 @@ import typer
 from rich.console import Console
 
 from fissura.cli.console import check_ending, errors, print_table, warnings, writing
+from fissura.cli.options import CaseArgument, FullOption
 
-__all__ = ["animate", "compare", "moments"]
+__all__ = ["animate", "compare", "moments", "show"]
 
 ResultArgument = Annotated[Path, typer.Argument(metavar="RESULT", help="Result folder.", show_default=False)]
 StressOption = Annotated[
     bool, typer.Option("--stress", help="Colour bodies by their largest principal stress, not by size.")
 ]
+
+
+def show(
+    case: CaseArgument,
+    output: Annotated[Path | None, typer.Option(help="File to write.", show_default="NAME_specimen.png")] = None,
+    full: FullOption = False,
+    azimuth: Annotated[float, typer.Option(min=-360, max=360, help="Degrees to the right of the z axis.")] = 30.0,
+    elevation: Annotated[float, typer.Option(min=-89, max=89, help="Degrees above the horizontal.")] = 25.0,
+) -> None:
+    """Draw the specimen of a case in 3D, with supports, load and gauge, without running it."""
+    with errors():
+        from fissura.case import load_case
+        from fissura.memory import require_memory
+        from fissura.results.specimen_picture import Sight, plot_specimen
+        from fissura.simulation import Simulation
+
+        loaded = load_case(case)
+        path = output if output is not None else Path(f"{loaded.name}_specimen.png")
+        check_ending(path, "--output")
+        require_memory(loaded, full=full)
+        with warnings(Console(stderr=True)) as shown:
+            simulation = Simulation(loaded, full=full)
+            for notice in simulation.notices:
+                shown.show(str(notice))
+            with writing(path):
+                plot_specimen(simulation, path, Sight(azimuth, elevation))
+        typer.echo(f"picture: {path}")
 
 
 def compare(
