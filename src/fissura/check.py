@@ -156,8 +156,7 @@ def report(case: Case) -> CheckReport:
         If anything in the case is wrong, or the specimen does not fit into memory.
     """
     require_memory(case)
-    from fissura.contact import law_from_case
-    from fissura.material import material_from_case
+    from fissura.contact import limits_from_case
     from fissura.simulation import Simulation
 
     if case.output.measured is not None:
@@ -168,7 +167,7 @@ def report(case: Case) -> CheckReport:
     contacts = simulation.tessellation.contacts
     lengths = contacts.length[contacts.fine]
     machine = physical_memory()
-    limits = law_from_case(case).limits(material_from_case(case))
+    limits = limits_from_case(case)
     # Saturated: no point is farther than l_f from a nucleus, so no two neighbours are more than 2 l_f apart. At a notch
     # that nucleus may lie across it, and the nearest one on the point's own side as far again.
     bound = (4.0 if case.notch else 2.0) * case.discretization.l_f if case.discretization.nuclei is None else 0.0

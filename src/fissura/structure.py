@@ -26,7 +26,7 @@ from fissura.material import (
     check_not_everywhere,
     elastic_from_case,
     field_from_case,
-    material_from_case,
+    materials_from_case,
 )
 from fissura.specimen import (
     conditions_from_case,
@@ -86,7 +86,7 @@ class Structure:
         self._case, self._full = case, full
         self._criterion = criterion_named(case.adaptivity.criterion)
         self._law = law_from_case(case)
-        self._material = material_from_case(case)
+        self._material = materials_from_case(case)
         self.domain = domain_from_case(case)
         thin = thin_notices(thin_parts(case, self.domain), case.discretization.l_f)
         check_ductile(case)

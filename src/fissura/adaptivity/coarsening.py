@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.adaptivity.region import RefinedRegion
-from fissura.contact import ContactLaw
+from fissura.contact import AppliedLaw
 from fissura.tessellation import Tessellation
 
 __all__ = ["Coarsening", "needed_bodies"]
@@ -39,7 +39,7 @@ _UNLOADED = 0.75
 def needed_bodies(
     tessellation: Tessellation,
     active: IntArray,
-    law: ContactLaw,
+    law: AppliedLaw,
     strain: FloatArray,
     history: FloatArray,
     threshold: float,
@@ -52,7 +52,7 @@ def needed_bodies(
         The discretization.
     active : (k,) int array
         Contacts with the damage law.
-    law : ContactLaw
+    law : AppliedLaw
         Their law.
     strain, history : (k, 3), (k, h) arrays
         Their strains ``e_N, e_M, e_L`` and accepted history.

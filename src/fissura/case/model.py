@@ -18,6 +18,7 @@ from pydantic import (
 from fissura.case.adaptivity import Adaptivity
 from fissura.case.field import Field as RandomField
 from fissura.case.material import Macro, Material
+from fissura.case.materials import MaterialRegion
 from fissura.case.part import Part
 from fissura.case.place import Notch, Patch
 from fissura.case.ranges import LONGEST
@@ -53,6 +54,7 @@ __all__ = [
     "Load",
     "Macro",
     "Material",
+    "MaterialRegion",
     "Notch",
     "Output",
     "Part",
@@ -177,6 +179,7 @@ class Case(Part):
     )
     load: Load = Field(description="a table [load] with face or on")
     material: Material = Field(description="a table [material] with E, alpha, f_t, G_t")
+    materials: Annotated[tuple[MaterialRegion, ...], BeforeValidator(as_tuple), at_most(1000)] = ()
     discretization: Discretization = Field(description="a table [discretization] with l_f")
     adaptivity: Adaptivity = Adaptivity()
     control: Control = Field(description="a table [control] with target")
@@ -196,6 +199,11 @@ class Case(Part):
         if "source" in self.__dict__:
             found.__dict__["source"] = self.source
         return found
+
+    @property
+    def resolved_materials(self) -> tuple[Material, ...]:
+        """Materials of the regions in `materials`, with the constants that they share with `material`."""
+        return tuple(part.resolved(self.material) for part in self.materials)
 
     @property
     def quantity(self) -> Quantity:
@@ -224,6 +232,12 @@ class Case(Part):
         spacing = info.data.get("discretization")
         # A spacing that is itself wrong is reported so.
         return value if spacing is None else value.resolved(spacing.l_f, spacing.l_c)
+
+    @model_validator(mode="after")
+    def _materials_resolved(self) -> Self:
+        for k, part in enumerate(self.materials):
+            part.settle(self.material, f"materials[{k}]")
+        return self
 
     @model_validator(mode="after")
     def _controlled(self) -> Self:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 
+from fissura.case.material import Material
 from fissura.case.model import Case
 from fissura.case.units import ENERGY_PER_AREA, LENGTH, STRESS, Dimension, told
 from fissura.errors import Notice
@@ -69,8 +70,13 @@ _SHEAR_ENERGY = _Usual(0.1, 1e6, ENERGY_PER_AREA, "560 J/m^2", "brittle", "tough
 
 def _material(case: Case) -> Iterable[Notice]:
     """Constants by the thousand or million off: a unit is missing, or they are in MPa and mm."""
-    part = case.material
-    given = part.model_fields_set
+    yield from _constants(case.material, case.material.model_fields_set, "material")
+    for k, (region, part) in enumerate(zip(case.materials, case.resolved_materials, strict=True)):
+        yield from _constants(part, region.constants.keys(), f"materials[{k}]")
+
+
+def _constants(part: Material, given: Collection[str], table: str) -> Iterable[Notice]:
+    """The same for the constants that a table gives."""
     for name, usual in (
         ("E", _MODULUS),
         ("f_t", _STRENGTH),
@@ -82,13 +88,13 @@ def _material(case: Case) -> Iterable[Notice]:
     ):
         if name not in given:
             continue  # a default goes with what it comes from
-        key = "material.macro.E" if name == "E" and "macro" in given else f"material.{name}"
+        key = f"{table}.macro.E" if name == "E" and "macro" in given else f"{table}.{name}"
         notice = usual.notice(key, getattr(part, name))
         if notice is not None:
             yield notice
-    if part.f_t > MOST_STRAIN * part.E:
+    if part.f_t > MOST_STRAIN * part.E and ("f_t" in given or "E" in given):
         yield Notice(
-            "material.f_t",
+            f"{table}.f_t",
             f"{told(part.f_t, STRESS)} is {part.f_t / part.E:.2g} of E = {told(part.E, STRESS)}:"
             " concrete cracks at less than 0.0002",
             "see whether the units of f_t and E are right",

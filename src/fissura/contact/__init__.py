@@ -16,20 +16,23 @@ from fissura.contact.kinematics import (
     nodal_forces,
 )
 from fissura.contact.law import CusatisCedolin
-from fissura.contact.protocol import ContactLaw
+from fissura.contact.protocol import AppliedLaw, ContactLaw
+from fissura.contact.several import LawOfMaterials
 from fissura.contact.stress import body_stress
 from fissura.errors import InputError
 from fissura.laws import law_named
-from fissura.material import material_from_case
+from fissura.material import materials_from_case
 
 if TYPE_CHECKING:
     from fissura.case import Case
 
 __all__ = [
+    "AppliedLaw",
     "ClosingCusatisCedolin",
     "ContactLaw",
     "CusatisCedolin",
     "Kinematics",
+    "LawOfMaterials",
     "add_stiffness",
     "body_stress",
     "check_ductile",
@@ -37,6 +40,7 @@ __all__ = [
     "kinematics",
     "kinematics_of",
     "law_from_case",
+    "limits_from_case",
     "nodal_forces",
 ]
 
@@ -52,6 +56,21 @@ def law_from_case(case: Case) -> type[ContactLaw]:
     return law_named(case.material.law)
 
 
+def limits_from_case(case: Case) -> dict[str, float]:
+    """Lengths [m] that contacts with damage must not reach, by the names that the law gives them; the least of all.
+
+    Raises
+    ------
+    InputError
+        See :func:`law_from_case` and :func:`fissura.material.materials_from_case`.
+    """
+    law, out = law_from_case(case), dict[str, float]()
+    for material in materials_from_case(case).pairs():
+        for name, limit in law.limits(material).items():
+            out[name] = min(limit, out.get(name, inf))
+    return out
+
+
 def check_ductile(case: Case) -> None:
     """Fine contacts must be able to soften: all are longer than ``l_f``, and a longer limit leaves none out.
 
@@ -61,7 +80,7 @@ def check_ductile(case: Case) -> None:
         None of them can. Where a constant of the material looks wrong, it is named rather than ``l_f``.
     """
     l_f = case.discretization.l_f
-    longest = min(law_from_case(case).limits(material_from_case(case)).values(), default=inf)
+    longest = min(limits_from_case(case).values(), default=inf)
     if not 0.0 < longest <= l_f:
         return
     problem = (

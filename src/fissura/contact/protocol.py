@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
     from fissura.material import Material
 
-__all__ = ["ContactLaw"]
+__all__ = ["AppliedLaw", "ContactLaw"]
 
 FloatArray = NDArray[np.float64]
 
 
-class ContactLaw(Protocol):
+class AppliedLaw(Protocol):
     """A law for a set of k contacts: tractions from strains and history.
 
     It keeps no state. What it has to remember of a contact is a row of history, of as many columns as it likes; what
@@ -26,54 +26,9 @@ class ContactLaw(Protocol):
     times shares :meth:`intact`, which change at most where a contact opens or closes.
     """
 
-    #: Model of the table ``[material.NAME]`` of the case file, for constants of this law alone; None: it has none.
-    Parameters: ClassVar[type[BaseModel] | None] = None
-
-    @classmethod
-    def limits(cls, material: Material) -> Mapping[str, float]:
-        """Lengths [m] that contacts with damage must not reach, by what would go wrong there; empty where none would.
-
-        ``fissura check`` shows a limit named "in tension" as "limit in tension"; the least one counts.
-        """
-
-    @classmethod
-    def create(
-        cls,
-        material: Material,
-        length: FloatArray,
-        scale: FloatArray | None = None,
-        ductility: FloatArray | None = None,
-    ) -> Self:
-        """Prepare the law.
-
-        Parameters
-        ----------
-        material : Material
-            Constants of ``[material]`` where the field has its mean; `parameters` are those of the law's own table.
-        length : (k,) array
-            Contact lengths [m]; k may be 0.
-        scale : (k,) array, optional
-            Relative strength; 1 by default.
-        ductility : (k,) array, optional
-            Relative fracture energy over the square of the relative strength; 1 by default.
-
-        Raises
-        ------
-        InputError
-            Lengths or constants for which the law does not hold.
-        """
-
     @property
     def scale(self) -> FloatArray:
         """Relative strength, shape (k,)."""
-
-    @property
-    def elastic(self) -> FloatArray:
-        """Elastic moduli of the three strain components [Pa], shape (3,)."""
-
-    @property
-    def strength(self) -> float:
-        """Tensile strength of a contact of unit relative strength [Pa]."""
 
     def initial_history(self) -> FloatArray:
         """History of virgin contacts, shape (k, h)."""
@@ -122,3 +77,52 @@ class ContactLaw(Protocol):
 
     def utilisation(self, strain: FloatArray) -> FloatArray:
         """Elastic effective traction over strength, which goes with the size of strains; (k, 3) -> (k,)."""
+
+
+class ContactLaw(AppliedLaw, Protocol):
+    """A law as a class, and what all contacts of one material have in common."""
+
+    #: Model of the table ``[material.NAME]`` of the case file, for constants of this law alone; None: it has none.
+    Parameters: ClassVar[type[BaseModel] | None] = None
+
+    @classmethod
+    def limits(cls, material: Material) -> Mapping[str, float]:
+        """Lengths [m] that contacts with damage must not reach, by what would go wrong there; empty where none would.
+
+        ``fissura check`` shows a limit named "in tension" as "limit in tension"; the least one counts.
+        """
+
+    @classmethod
+    def create(
+        cls,
+        material: Material,
+        length: FloatArray,
+        scale: FloatArray | None = None,
+        ductility: FloatArray | None = None,
+    ) -> Self:
+        """Prepare the law.
+
+        Parameters
+        ----------
+        material : Material
+            Constants of ``[material]`` where the field has its mean; `parameters` are those of the law's own table.
+        length : (k,) array
+            Contact lengths [m]; k may be 0.
+        scale : (k,) array, optional
+            Relative strength; 1 by default.
+        ductility : (k,) array, optional
+            Relative fracture energy over the square of the relative strength; 1 by default.
+
+        Raises
+        ------
+        InputError
+            Lengths or constants for which the law does not hold.
+        """
+
+    @property
+    def elastic(self) -> FloatArray:
+        """Elastic moduli of the three strain components [Pa], shape (3,)."""
+
+    @property
+    def strength(self) -> float:
+        """Tensile strength of a contact of unit relative strength [Pa]."""

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from fissura.contact import (
+    AppliedLaw,
     ContactLaw,
     Kinematics,
+    LawOfMaterials,
     body_stress,
     contact_strains,
     kinematics,
@@ -30,7 +32,7 @@ from fissura.equilibrium.reactions import Carried, Reactions, carried, reactions
 from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.equilibrium.team import ALONE, Team
 from fissura.errors import InputError
-from fissura.material import Material, Regions
+from fissura.material import Material, Materials, Regions
 from fissura.specimen import Conditions
 from fissura.tessellation import Tessellation
 
@@ -97,8 +99,8 @@ class System:
     ----------
     tessellation : Tessellation
         Bodies and contacts.
-    material : Material
-        Material of the contacts.
+    material : Material or Materials
+        Material of the contacts, or several by place: that of a body is found at its nucleus.
     law : type
         Contact law of fine contacts.
     conditions : Conditions
@@ -130,7 +132,7 @@ class System:
     def __init__(
         self,
         tessellation: Tessellation,
-        material: Material,
+        material: Material | Materials,
         law: type[ContactLaw],
         conditions: Conditions,
         linear: str = "auto",
@@ -146,6 +148,9 @@ class System:
                 "so small that there are several bodies",
             )
         self.tessellation = tessellation
+        several = LawOfMaterials(law, material if isinstance(material, Materials) else Materials(material))
+        kinds = several.materials.kinds(tessellation.x)
+        ends = kinds[contacts.bodies]
         self.geometry: Kinematics = kinematics(tessellation)
         may_crack = ~elastic.contains(contacts.centroid)
         self.active: IntArray = np.flatnonzero(contacts.fine & may_crack)
@@ -154,14 +159,16 @@ class System:
         self._guarded: IntArray = np.flatnonzero(~contacts.fine & may_crack)
         self.field = field
         scale, ductility = (None, None) if field is None else field.factors(contacts.centroid[self.active])
-        self.law: ContactLaw = law.create(material, contacts.length[self.active], scale, ductility)
+        self.law: AppliedLaw = several.create(ends[self.active], contacts.length[self.active], scale, ductility)
         # Coarse contacts have no softening and hence no limit on their length: only their strength is asked for, which
         # is the same at a length that every law allows.
         short = _SHORT * float(contacts.length.min())
         scale = None if field is None else field.strength(contacts.centroid[self._guarded])
-        self.elastic_law: ContactLaw = law.create(material, np.full(len(self._guarded), short), scale)
+        self.elastic_law: AppliedLaw = several.create(ends[self._guarded], np.full(len(self._guarded), short), scale)
         self.elastic_scale = 1.0
-        self._stiffest = float(self.law.elastic[0])
+        self._elastic: FloatArray = several.elastic(ends)
+        self._strength: FloatArray = several.strength(kinds)
+        self._stiffest = float(self._elastic[:, 0].max())
         self.moduli = self._moduli(1.0)
         self.load: FloatArray = attach(conditions.load, tessellation).ravel()
         self.control: FloatArray = attach(conditions.control, tessellation).ravel()
@@ -191,8 +198,7 @@ class System:
     @cached_property
     def strength(self) -> FloatArray:
         """Tensile strength at the nuclei [Pa], shape (n,)."""
-        same = np.full(len(self.tessellation), self.law.strength)
-        return same if self.body_factor is None else same * self.body_factor
+        return self._strength if self.body_factor is None else self._strength * self.body_factor
 
     @cached_property
     def body_factor(self) -> FloatArray | None:
@@ -210,7 +216,7 @@ class System:
 
     def _moduli(self, elastic_scale: float) -> FloatArray:
         """Stiffness of the three strain components of every contact [Pa], shape (m, 3)."""
-        moduli = np.tile(self.law.elastic, (len(self.geometry), 1))
+        moduli = self._elastic.copy()
         moduli[self.coarse] *= elastic_scale
         return moduli
 
@@ -257,7 +263,7 @@ class System:
         count = np.bincount(contacts.bodies.ravel(), minlength=len(self.tessellation))
         few = (count[contacts.bodies] <= _FEW).any(axis=1)
         share = np.where(few, _SPIN_STIFFNESS_OF_FEW, _SPIN_STIFFNESS)
-        stiffness: FloatArray = share * self._stiffest * contacts.area**2 / (12.0 * contacts.length)
+        stiffness: FloatArray = share * self._elastic[:, 0] * contacts.area**2 / (12.0 * contacts.length)
         return stiffness
 
     @property

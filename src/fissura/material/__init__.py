@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from fissura.material.parameters import Material, material_from_case
 from fissura.material.regions import Regions, check_not_everywhere, elastic_from_case
+from fissura.material.several import Materials, joined, materials_from_case
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -13,11 +14,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Material",
+    "Materials",
     "Regions",
     "check_not_everywhere",
     "elastic_from_case",
     "field_from_case",
+    "joined",
     "material_from_case",
+    "materials_from_case",
 ]
 
 

@@ -9,8 +9,9 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from fissura.case import Case
+    from fissura.case import Material as Part
 
-__all__ = ["Material", "material_from_case"]
+__all__ = ["Material", "material_from_case", "material_from_part"]
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,11 @@ class Material:
 
 
 def material_from_case(case: Case) -> Material:
-    """Material of a case."""
-    m = case.material
+    """Material of a case where no region has another one."""
+    return material_from_part(case.material)
+
+
+def material_from_part(part: Part) -> Material:
+    """Material of a table of a case."""
+    m = part
     return Material(m.E, m.alpha, m.f_t, m.G_t, m.f_s, m.f_c, m.G_s, m.K_c, m.mu, m.beta, m.n_c, m.parameters)

@@ -88,15 +88,26 @@ def elastic_from_case(case: Case) -> Regions:
     InputError
         A region lies outside the specimen.
     """
-    parts, bounds = case.material.elastic, domain_from_case(case).bounds
+    check_overlap(case, case.material.elastic, _KEY)
+    return Regions.from_parts(case.material.elastic)
+
+
+def check_overlap(case: Case, parts: Sequence[BallRegion | BoxRegion], key: str) -> None:
+    """Each of the regions at a key must overlap the specimen.
+
+    Raises
+    ------
+    InputError
+        One lies outside.
+    """
+    bounds = domain_from_case(case).bounds
     for k, part in enumerate(parts):
         if not Regions.from_parts([part]).overlaps(bounds):
             raise InputError(
-                f"{_KEY}[{k}]" if len(parts) > 1 else _KEY,
+                f"{key}[{k}]" if len(parts) > 1 else key,
                 f"the {part.type} lies outside the specimen",
                 "a region that overlaps the specimen, " + " x ".join(f"{a:g} to {b:g} m" for a, b in bounds.T),
             )
-    return Regions.from_parts(parts)
 
 
 def check_not_everywhere(elastic: Regions, x: FloatArray) -> None:
