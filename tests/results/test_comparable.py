@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fissura.case import case_from_dict
+from fissura.case import Case, case_from_dict
 from fissura.errors import InputError
 from fissura.results import Recorder, compare, compare_results
-from fissura.results.comparable import common_quantity, comparison_notices
+from fissura.results.comparable import SPECIMEN, common_quantity, comparison_notices
 
 from .synthetic import case, simulation, step
 
@@ -49,6 +49,11 @@ def test_the_same_specimen_says_nothing_whatever_it_is_run_with():
     assert compare_results(run(a), run(finer)).notices == ()
 
 
+def test_every_part_of_a_case_is_of_the_specimen_or_of_how_it_is_run():
+    run = {"name", "adaptivity", "control", "gauge", "output", "solver"}
+    assert set(Case.model_fields) == {*SPECIMEN, *run}
+
+
 @pytest.mark.parametrize(
     ("change", "key", "words"),
     [
@@ -57,6 +62,11 @@ def test_the_same_specimen_says_nothing_whatever_it_is_run_with():
         ({"material": {"G_t": 40.0}}, "material.G_t", "material.G_t 35 and 40"),
         ({"notch": {"position": 0.01, "depth": 0.004}}, "notch", "notch none and given"),
         ({"minus": {"box": {"lower": [0, 0, 0], "upper": [0.002, 0.002, 0.01]}}}, "minus", "minus none and given"),
+        (
+            {"materials": {"region": {"type": "ball", "center": [0, 0, 0], "radius": 0.004}, "f_t": 1e6}},
+            "materials",
+            "materials none and given",
+        ),
         ({"discretization": {"l_f": 0.001}}, "discretization.l_f", "discretization.l_f 0.002 and 0.001"),
         ({"field": {"length": 0.01}}, "field", "field none and given"),
         ({"load": {"at": 0.011}}, "load.at", "load.at 0.01 and 0.011"),

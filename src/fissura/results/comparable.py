@@ -14,7 +14,18 @@ if TYPE_CHECKING:
 
 __all__ = ["common_quantity", "comparison_notices"]
 
-SPECIMEN = ("specimen", "minus", "notch", "supports", "load", "material", "field", "seed", "discretization")
+SPECIMEN = (
+    "specimen",
+    "minus",
+    "notch",
+    "supports",
+    "load",
+    "material",
+    "materials",
+    "field",
+    "seed",
+    "discretization",
+)
 """Tables and keys that make a specimen and its test."""
 
 HOW_FINE = frozenset({"discretization.l_c"})
