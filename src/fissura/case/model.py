@@ -200,7 +200,7 @@ class Case(Part):
             found.__dict__["source"] = self.source
         return found
 
-    @property
+    @cached_property
     def resolved_materials(self) -> tuple[Material, ...]:
         """Materials of the regions in `materials`, with the constants that they share with `material`."""
         return tuple(part.resolved(self.material) for part in self.materials)

@@ -142,6 +142,8 @@ class LawOfMaterials:
     def _groups(self, ends: IntArray) -> list[tuple[IntArray, Material]]:
         """Numbers of contacts of each pair of materials, and what these are made of."""
         count = len(self.materials.each)
+        if count == 1:
+            return [(np.arange(len(ends)), self.materials.base)]
         pair = ends.min(axis=1, initial=count) * count + ends.max(axis=1, initial=0)
         found, number = np.unique(pair, return_inverse=True)
         return [

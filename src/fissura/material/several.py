@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,7 +51,7 @@ class Materials:
     base: Material
     parts: tuple[tuple[Regions, Material], ...] = ()
 
-    @property
+    @cached_property
     def each(self) -> tuple[Material, ...]:
         """All materials, each once."""
         found = [self.base]
