@@ -14,8 +14,12 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from fissura.results.lettering import legend_below, literal, save
+from fissura.results.pictures import INK
 from fissura.results.stage import COARSE, FINE
 from fissura.specimen import Place, load_direction, place_from_part
+from fissura.specimen.notches import SURFACE
+from fissura.specimen.planes import unit
+from fissura.tessellation.structure import LEDGE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +31,7 @@ __all__ = ["Sight", "plot_specimen"]
 
 FloatArray = NDArray[np.float64]
 
-SUPPORT, LOAD, GAUGE, NOTCH, INK = "#4b5563", "#b42318", "#1d4ed8", "#f2c14e", "#30343b"
+SUPPORT, LOAD, GAUGE, NOTCH = "#4b5563", "#b42318", "#1d4ed8", "#f2c14e"
 
 MARKERS = {"pin": "^", "roller": "o", "clamp": "s"}
 """Signs of the kinds of supports."""
@@ -85,7 +89,7 @@ def plot_specimen(simulation: Simulation, path: str | Path, sight: Sight | None 
     corners = 1e3 * surface.polygons.points @ look[:2].T
     low, high = corners.min(axis=0), corners.max(axis=0)
     size = float((high - low).max())
-    unseen = _names(axes, surface, look, size)
+    unseen = _names(axes, surface, look)
     entries = [(Line2D([], [], marker="s", ls="", ms=9, color=colour), name) for name, colour in colours]
     entries += _conditions(axes, simulation, look, 0.11 * size)
     axes.set_xlim(low[0] - 0.14 * size, high[0] + 0.14 * size)
@@ -109,11 +113,11 @@ def _skin(axes: Axes, surface: SurfaceFacets, fine: NDArray[np.bool_], look: Flo
     facing = surface.normal[facet] @ eye
     order = np.flatnonzero(facing > 1e-9)
     order = order[np.argsort(depth[order], kind="stable")]
-    notched = np.array([name == "notch" for name in surface.names])[surface.surface]
+    notched = np.array([name == SURFACE for name in surface.names])[surface.surface]
     is_fine = fine[surface.body]
     base = np.where(notched[:, None], to_rgb(NOTCH), np.where(is_fine[:, None], to_rgb(FINE), to_rgb(COARSE)))
     # Light comes from above the eye, so that faces of one body differ.
-    light = 0.62 + 0.38 * np.clip(surface.normal @ _unit(eye + 0.6 * look[1] - 0.35 * look[0]), 0.0, 1.0)
+    light = 0.62 + 0.38 * np.clip(surface.normal @ unit(eye + 0.6 * look[1] - 0.35 * look[0]), 0.0, 1.0)
     shade = base[facet[order]] * light[facet[order], None]
     axes.add_collection(
         PolyCollection(
@@ -128,18 +132,14 @@ def _skin(axes: Axes, surface: SurfaceFacets, fine: NDArray[np.bool_], look: Flo
     return entries + ([("wall of a notch", NOTCH)] if (notched[facet[order]]).any() else [])
 
 
-def _unit(vector: FloatArray) -> FloatArray:
-    return np.asarray(vector / np.linalg.norm(vector))
-
-
-def _names(axes: Axes, surface: SurfaceFacets, look: FloatArray, size: float) -> list[str]:
+def _names(axes: Axes, surface: SurfaceFacets, look: FloatArray) -> list[str]:
     """Write names of surfaces where they are seen; return those that are not."""
     facing = surface.normal @ look[2]
     unseen = []
     for number, name in enumerate(surface.names):
         own = surface.surface == number
         seen = np.flatnonzero(own & (facing > 0.05))
-        if name == "ledge" or not own.any():
+        if name == LEDGE or not own.any():
             continue
         if not len(seen):
             unseen.append(name)
@@ -158,21 +158,19 @@ def _names(axes: Axes, surface: SurfaceFacets, look: FloatArray, size: float) ->
 
 def _conditions(axes: Axes, simulation: Simulation, look: FloatArray, size: float) -> list[tuple[Line2D, str]]:
     """Draw supports, load and gauge; return entries of the legend."""
-    case, domain = simulation.case, simulation.domain
-    spacing = case.discretization.l_f / 5.0
+    case, domain, l_f = simulation.case, simulation.domain, simulation.case.discretization.l_f
     entries = []
+    for k, part in enumerate(case.supports):
+        _points(axes, place_from_part(part, domain, l_f, f"supports[{k}]"), look, MARKERS[part.type], SUPPORT)
     for kind in dict.fromkeys(part.type for part in case.supports):
-        for k, part in enumerate(case.supports):
-            if part.type == kind:
-                _points(axes, place_from_part(part, domain, spacing, f"supports[{k}]"), look, MARKERS[kind], SUPPORT)
         entries.append((Line2D([], [], marker=MARKERS[kind], ls="", ms=7, color=SUPPORT), f"support, {kind}"))
-    place = place_from_part(case.load, domain, spacing, "load")
+    place = place_from_part(case.load, domain, l_f, "load")
     _arrows(axes, place, load_direction(case.load, place), look, size)
     entries.append((Line2D([], [], marker=r"$\rightarrow$", ls="", ms=13, color=LOAD), "load"))
     if case.gauge is not None:
         middles = []
         for name in ("a", "b"):
-            place = place_from_part(getattr(case.gauge, name), domain, spacing, f"gauge.{name}")
+            place = place_from_part(getattr(case.gauge, name), domain, l_f, f"gauge.{name}")
             _points(axes, place, look, "o", GAUGE, size=3.0)
             middles.append(1e3 * look[:2] @ place.centroid)
         axes.add_collection(LineCollection([np.array(middles)], colors=GAUGE, linewidths=1.2, zorder=16))
