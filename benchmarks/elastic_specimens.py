@@ -92,7 +92,7 @@ def plate(spacings: float, seed: int) -> tuple[Case, Functional]:
     domain = domain_from_case(case)
     points, forces, cells = [], [], []
     for face in ("left", "right", "bottom", "top"):
-        place = place_from_part(Patch.model_validate({"face": face}), domain, L_F / 5, "load")
+        place = place_from_part(Patch.model_validate({"face": face}), domain, L_F, "load")
         traction = np.einsum("kij,kj->ki", kirsch(place.points[:, :2], radius), place.normals[:, :2])
         force = traction * (place.weights * 2 * half * thick)[:, None]
         points.append(place.points)
@@ -137,7 +137,7 @@ def averaged(x: FloatArray, radius: float) -> FloatArray:
 
 def edge(case: Case, system: System, u: FloatArray, radius: float) -> dict[str, float]:
     """How the hole becomes an ellipse: both diameters over those of the closed form."""
-    place = place_from_part(Patch.model_validate({"face": "hole"}), domain_from_case(case), L_F / 5, "gauge")
+    place = place_from_part(Patch.model_validate({"face": "hole"}), domain_from_case(case), L_F, "gauge")
     modulus, _ = bulk_law().macroscopic(E, ALPHA)
     out = {}
     for name, axis, factor in (("opening", 0, 3.0), ("closing", 1, -1.0)):

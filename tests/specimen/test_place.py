@@ -11,6 +11,7 @@ from fissura.case import Patch
 from fissura.errors import InputError
 from fissura.specimen import Domain, place_from_part
 from fissura.specimen.cutting import cut_notches
+from fissura.specimen.samples import SAMPLES
 from fissura.specimen.shapes.box import box
 from fissura.specimen.shapes.prism import AXES, FACES
 from fissura.specimen.slots import slot_from_part
@@ -21,7 +22,7 @@ BOX = Domain(*box(SIZE).build())
 
 
 def place(domain=BOX, spacing=SPACING, **values):
-    return place_from_part(Patch.model_validate(values), domain, spacing, "load")
+    return place_from_part(Patch.model_validate(values), domain, SAMPLES * spacing, "load")
 
 
 def notched(**values):

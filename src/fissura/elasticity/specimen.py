@@ -109,7 +109,7 @@ class Prism:
         self.size = domain.size
         material = replace(material_from_case(case), E=1.0)  # less than any case may have
         self.system = System(tessellation, material, law_from_case(case), conditions)
-        sides = _Sides(domain, tessellation, spacing / 5.0)  # sampled as the load is
+        sides = _Sides(domain, tessellation, spacing)  # sampled as the load is
         self._rows = np.stack([sides.elongation(), sides.gauge(), sides.swelling()])
 
     def __len__(self) -> int:

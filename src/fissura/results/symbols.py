@@ -57,19 +57,19 @@ def symbols(case: Case) -> list[Symbol]:
     A pin is a triangle, a roller a triangle on a line, a clamp a hatched line, the load arrows, a gauge two dots.
     """
     domain = domain_from_case(case)
-    spacing = case.discretization.l_f / 5.0
+    l_f = case.discretization.l_f
     length, depth = domain.size[:2]
     size = SIZE * min(max(length, depth) / 2.5, 1.5 * min(length, depth))
     found = []
     for k, part in enumerate(case.supports):
-        place = place_from_part(part, domain, spacing, f"supports[{k}]")
+        place = place_from_part(part, domain, l_f, f"supports[{k}]")
         if _outward(place) is not None:
             found += _support(part.type, place, size, max(length, depth))
-    place = place_from_part(case.load, domain, spacing, "load")
+    place = place_from_part(case.load, domain, l_f, "load")
     found += _load(place, load_direction(case.load, place)[:2], size, max(length, depth))
     if case.gauge is not None:
         for name in ("a", "b"):
-            place = place_from_part(getattr(case.gauge, name), domain, spacing, f"gauge.{name}")
+            place = place_from_part(getattr(case.gauge, name), domain, l_f, f"gauge.{name}")
             found.append(_gauge(place, size))
     return found
 

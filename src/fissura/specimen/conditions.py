@@ -188,32 +188,30 @@ def _check_stability(supports: list[Functional], centre: FloatArray, size: float
 def conditions_from_case(case: Case, domain: Domain) -> Conditions:
     """Place supports, load and gauge of a case on its specimen.
 
-    Places are sampled at a fifth of the fine spacing, so that even fine bodies take their proper share.
-
     Raises
     ------
     InputError
         A place off the surface, an unknown kind of support, supports that leave the specimen movable.
     """
-    spacing = case.discretization.l_f / 5.0
+    l_f = case.discretization.l_f
     supports: list[Functional] = []
     held: list[Held] = []
     for k, part in enumerate(case.supports):
         kind = SUPPORTS.get(part.type)
         if kind is None:
             raise InputError(f"supports[{k}].type", f"{part.type!r} is not known", ", ".join(SUPPORTS))
-        place = place_from_part(part, domain, spacing, f"supports[{k}]")
+        place = place_from_part(part, domain, l_f, f"supports[{k}]")
         rows = [row for row in kind(place, f"supports[{k}].{part.naming}") if row is not None]
         supports += rows
         held.append(Held(place.centroid, len(rows)))
     _check_stability(supports, domain.bounds.mean(axis=0), float(domain.size.max()))
 
-    place = place_from_part(case.load, domain, spacing, "load")
+    place = place_from_part(case.load, domain, l_f, "load")
     outward, direction = place.outward, load_direction(case.load, place)
     load = _mean(place, direction)
     pulls = outward is not None and float(direction @ outward) > 0.0
 
-    gauge = None if case.gauge is None else _gauge(case.gauge, domain, spacing)
+    gauge = None if case.gauge is None else _gauge(case.gauge, domain, l_f)
     if case.quantity == "displacement":
         return Conditions(tuple(supports), load, load, gauge, tuple(held), pulls)
     if gauge is None:
@@ -238,10 +236,10 @@ def load_direction(part: Load, place: Place) -> FloatArray:
     raise InputError("load.direction", problem, "three numbers, the direction in which it pushes")
 
 
-def _gauge(part: Gauge, domain: Domain, spacing: float) -> Functional:
+def _gauge(part: Gauge, domain: Domain, l_f: float) -> Functional:
     """Mean displacement of the place b minus that of a, along the gauge's direction."""
-    a = place_from_part(part.a, domain, spacing, "gauge.a")
-    b = place_from_part(part.b, domain, spacing, "gauge.b")
+    a = place_from_part(part.a, domain, l_f, "gauge.a")
+    b = place_from_part(part.b, domain, l_f, "gauge.b")
     near = 1e-3 * ON_SURFACE * domain.complex.extent
     if a.points.shape == b.points.shape and np.allclose(a.points, b.points, rtol=0.0, atol=near):
         raise InputError("gauge.b", "is the same place as gauge.a", "another place")

@@ -49,7 +49,7 @@ def _distance(part: PatchPart, domain: Domain, l_f: float, key: str) -> float:
     """Distance of the middle of a place from edges of its face and mouths of notches [m]; infinite for a whole face."""
     if part.point is None and part.at is None:
         return np.inf
-    place = place_from_part(part, domain, l_f / 5.0, key)
+    place = place_from_part(part, domain, l_f, key)
     nearest = int(np.argmin(np.linalg.norm(place.points - place.centroid, axis=1)))
     x, normal = place.points[nearest], place.normals[nearest]
     if part.at is not None:  # the middle of a strip, whose points lie beside it

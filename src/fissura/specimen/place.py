@@ -14,6 +14,7 @@ from fissura.specimen.domain import Domain, SurfacePart
 from fissura.specimen.notches import SURFACE, Notch
 from fissura.specimen.planes import unit
 from fissura.specimen.samples import (
+    SAMPLES,
     Sample,
     along_of,
     at_coordinate,
@@ -83,8 +84,8 @@ class Place:
         return unit(out) if np.linalg.norm(out) > _NO_NORMAL else None
 
 
-def place_from_part(part: PatchPart, domain: Domain, spacing: float, key: str) -> Place:
-    """Sample a place on the surface of a specimen.
+def place_from_part(part: PatchPart, domain: Domain, l_f: float, key: str) -> Place:
+    """Sample a place on the surface of a specimen, so finely that even fine bodies take their proper share.
 
     Parameters
     ----------
@@ -92,8 +93,8 @@ def place_from_part(part: PatchPart, domain: Domain, spacing: float, key: str) -
         Surfaces, and a point, a line, a strip, a box or nothing (all of it).
     domain : Domain
         The specimen.
-    spacing : float
-        Largest distance of sample points, a fifth of that of fine nuclei [m].
+    l_f : float
+        Spacing of fine nuclei [m].
     key : str
         Where the part stands in the case file, for messages.
 
@@ -102,6 +103,7 @@ def place_from_part(part: PatchPart, domain: Domain, spacing: float, key: str) -
     InputError
         An unknown surface, a place that is not on the surface, in the mouth of a notch or in the plane of an ideal cut.
     """
+    spacing = l_f / SAMPLES
     parts = surface_parts(domain, part.surfaces, f"{key}.{part.naming}")
     strip = part.toward is not None and part.width > 0.0 and part.at is None
     if part.toward is not None and not strip:

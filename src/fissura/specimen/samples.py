@@ -21,10 +21,13 @@ from fissura.specimen.traces import Trace, traces_at
 if TYPE_CHECKING:
     from fissura.case import Patch as PatchPart
 
-__all__ = ["Sample", "along_of", "at_coordinate", "at_points", "in_box", "on_line", "over", "strip_facing"]
+__all__ = ["SAMPLES", "Sample", "along_of", "at_coordinate", "at_points", "in_box", "on_line", "over", "strip_facing"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+#: Sample points of a place in the spacing of fine nuclei, at least.
+SAMPLES = 5.0
 
 _NO_NORMAL = 1e-6
 
@@ -165,7 +168,7 @@ def at_points(
     key: str,
 ) -> Sample:
     """Points on the surface, moved onto it where it is round."""
-    slack = slack_of(domain, parts, 5.0 * spacing)
+    slack = slack_of(domain, parts, SAMPLES * spacing)
     points, behind = [], []
     names = ", ".join(repr(name) for name in part.surfaces)
     for point in np.asarray(given, float):
