@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from itertools import pairwise, product
-from statistics import mean, stdev
+from statistics import mean
 from typing import Any
 
-from common import Check, Report, main, options, say, table
+from common import Check, Report, main, options, say, shown, table
 from elastic_specimens import (
     ALPHA,
     DEPTH,
@@ -106,11 +106,6 @@ def _cells(rows: list[dict[str, Any]], key: str) -> list[float]:
     return [row[key] for row in rows]
 
 
-def _shown(values: Sequence[float], digits: int = 3) -> str:
-    spread = f" ± {stdev(values):.{digits}f}" if len(values) > 1 else ""
-    return f"{mean(values):.{digits}f}{spread}"
-
-
 def _groups(rows: list[dict[str, Any]], name: str) -> Iterable[tuple[tuple[float, bool], list[dict[str, Any]]]]:
     """Rows of a case by size and resolution."""
     own = [row for row in rows if row["case"] == name]
@@ -133,8 +128,8 @@ def _holes(rows: list[dict[str, Any]]) -> str:
     rings = [f"{a:g} to {b:g}" for a, b in pairwise(RINGS)]
     lines = []
     for (size, full), own in _groups(rows, "kirsch"):
-        of = [f"{_shown(_cells(own, f'stress {b:g}'), 2)}, {mean(_cells(own, f'kirsch {b:g}')):.2f}" for b in RINGS[1:]]
-        edge = [_shown(_cells(own, key)) for key in ("opening", "closing")]
+        of = [f"{shown(_cells(own, f'stress {b:g}'), 2)}, {mean(_cells(own, f'kirsch {b:g}')):.2f}" for b in RINGS[1:]]
+        edge = [shown(_cells(own, key), 3) for key in ("opening", "closing")]
         kind = f"{size:g}, {'full' if full else 'graded'}"
         lines.append([kind, f"{mean(_cells(own, 'bodies')):.0f}", *of, *edge])
     heads = ["radius / `l_f`", "bodies", *(f"stress, Kirsch: {ring}" for ring in rings), "opening", "closing"]
@@ -145,11 +140,11 @@ def _stiffness(rows: list[dict[str, Any]]) -> str:
     lines = []
     for (size, full), own in _groups(rows, "cylinder"):
         name = f"cylinder, diameter {size:g} `l_f`, {'full' if full else 'graded'}"
-        of = [_shown(_cells(own, key)) for key in ("ends", "inside")]
+        of = [shown(_cells(own, key), 3) for key in ("ends", "inside")]
         lines.append([name, f"{mean(_cells(own, 'bodies')):.0f}", *of])
     for (size, _), own in _groups(rows, "frame"):
         name = f"frame, legs {size:g} depths long"
-        lines.append([name, f"{mean(_cells(own, 'bodies')):.0f}", _shown(_cells(own, "ratio")), "–"])
+        lines.append([name, f"{mean(_cells(own, 'bodies')):.0f}", shown(_cells(own, "ratio"), 3), "–"])
     return table(["specimen", "bodies", "ends", "inside"], lines)
 
 

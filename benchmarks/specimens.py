@@ -12,15 +12,15 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from itertools import product
-from statistics import mean, stdev
+from statistics import mean
 from typing import Any
 
 import numpy as np
 
 from broken_specimens import BRITTLE, CRACKED, FALL, TOUGH, broken, disc, pulled_prism, template, twist
-from common import Check, Report, changed, difference, main, measured, options, say, table
+from common import Check, Report, changed, difference, main, measured, options, say, shown, table
 from fissura.results.compare import compare_results
 from meaning import F_T
 
@@ -141,14 +141,8 @@ def _pairs(seed: int) -> Iterator[dict[str, Any]]:
         yield {"specimen": name, "itself": 100 * itself, **difference(measured(case), full)}
 
 
-def _shown(values: Iterable[float], digits: int) -> str:
-    values = list(values)
-    spread = f" ± {stdev(values):.{digits}f}" if len(values) > 1 else ""
-    return f"{mean(values):.{digits}f}{spread}"
-
-
 def _column(rows: list[dict[str, Any]], key: str, digits: int = 1) -> str:
-    return _shown((row[key] for row in rows), digits)
+    return shown((row[key] for row in rows), digits)
 
 
 def _markdown(rows: list[dict[str, Any]], seeds: int) -> str:

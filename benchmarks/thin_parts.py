@@ -9,13 +9,13 @@ import argparse
 import sys
 from collections.abc import Iterator
 from itertools import product
-from statistics import mean, stdev
+from statistics import mean
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from common import Check, Report, main, options, say, table
+from common import Check, Report, main, options, say, shown, table
 from fissura.adaptivity import gauge_compliance
 from fissura.bulk import bulk_law
 from fissura.case import Case, case_from_dict
@@ -179,8 +179,7 @@ def _markdown(rows: list[dict[str, Any]], seeds: int) -> str:
         cells = []
         for name in names:
             values = [row["ratio"] for row in rows if (row["case"], row["spacings"]) == (name, size)]
-            spread = f" ± {stdev(values):.2f}" if len(values) > 1 else ""
-            cells.append(f"{mean(values):.2f}{spread}" if values else "–")
+            cells.append(shown(values, 2) if values else "–")
         lines.append([f"{size:g}", *cells])
     return "\n".join(["## Thin parts", text, table(["thickness / `l_f`", *names], lines)])
 

@@ -8,35 +8,23 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import dataclass
 from pathlib import Path
-from statistics import mean, stdev
+from statistics import mean
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from common import ROOT, Check, Report, Run, changed, difference, example, main, measured, options, say, table
+from common import Check, Report, Run, changed, difference, example, main, measured, options, say, shown, table
 from fissura import Case
 from fissura.bulk_tension import bulk_tension
 from fissura.results.compare import compare_results
-from fissura.results.measured import MeasuredBand, read_measured
 from plane_stress import panel_stiffness
+from winkler_curves import LIGAMENT, NAME, Curve, inclination
+from winkler_figure import draw
 
-FloatArray = NDArray[np.float64]
-
-NAME = "winkler_lpanel"
 #: The concrete as quoted: E [Pa], nu, strength [Pa]; fracture energies: both ends of what is quoted, and the example's.
 MODULUS, POISSON, STRENGTH = 25.85e9, 0.18, 2.7e6
 LOW, USED, HIGH = 65.0, 90.0, 130.0
-#: Area that the crack runs through: thickness times the width of the leg [m^2].
-LIGAMENT = 0.1 * 0.25
-#: Loads up to which stiffness is a secant [N]; where curves are compared [m].
-SECANT, UNTIL = 4000.0, 1.0e-3
 #: Parts of the crack over which its inclination is fitted, by x [m]: at the corner, and farther on.
 FIRST, LATER = (0.2, 0.25), (0.05, 0.15)
-#: Facets that are open wider are crack [m].
-OPEN = 20e-6
 
 TEXT = """\
 {seeds} seeds, adaptive. Differences are those of the mean from the measured mean curve; *curve* is the root mean square
@@ -50,59 +38,6 @@ Plane-stress finite elements with the quoted `E` and a fixed foot have a stiffne
 """
 
 
-@dataclass(frozen=True)
-class Curve:
-    """Load [N] over the displacement of the platen [m], which does not turn back."""
-
-    u: FloatArray
-    load: FloatArray
-
-    @classmethod
-    def of(cls, run: Run) -> Curve:
-        gauge = np.append(0.0, run.result.gauge)
-        return cls(np.maximum.accumulate(gauge), np.append(0.0, run.result.load_values))
-
-    @classmethod
-    def measured(cls) -> Curve:
-        band: MeasuredBand = read_measured(ROOT / "examples" / "data" / f"{NAME}_load_displacement.csv")
-        return cls(np.append(0.0, band.gauge), np.append(0.0, 0.5 * (band.lower + band.upper)))
-
-    @classmethod
-    def mean(cls, curves: list[Curve]) -> Curve:
-        u = np.linspace(0.0, UNTIL, 501)
-        return cls(u, np.mean([np.interp(u, curve.u, curve.load) for curve in curves], axis=0))
-
-    @property
-    def peak(self) -> float:
-        return float(self.load.max())
-
-    @property
-    def at_peak(self) -> float:
-        return float(self.u[self.load.argmax()])
-
-    @property
-    def stiffness(self) -> float:
-        """Secant up to `SECANT` [N/m]."""
-        before = slice(0, int(self.load.argmax()) + 1)
-        return SECANT / float(np.interp(SECANT, self.load[before], self.u[before]))
-
-    @property
-    def work(self) -> float:
-        """Of the load to the end of the comparison, over the ligament [J/m^2]."""
-        u = np.linspace(0.0, UNTIL, 2001)
-        return float(np.trapezoid(np.interp(u, self.u, self.load), u)) / LIGAMENT
-
-    def yielding(self, compliance: float) -> Curve:
-        """The same with a spring in series [m/N]."""
-        return Curve(self.u + compliance * self.load, self.load)
-
-    def off(self, other: Curve) -> float:
-        """Root mean square difference of loads, over the peak of the other curve."""
-        u = np.linspace(0.0, UNTIL, 2001)
-        rest = np.interp(u, self.u, self.load) - np.interp(u, other.u, other.load)
-        return float(np.sqrt(np.mean(rest**2))) / other.peak
-
-
 def contacts(energy: float, spacing: float) -> tuple[float, float]:
     """Contacts' `f_t` [Pa] and `G_t` [J/m^2] for the quoted strength and a fracture energy, by the table of prisms."""
     table_of, modulus = bulk_tension(), example(NAME, 1).material.E
@@ -112,21 +47,6 @@ def contacts(energy: float, spacing: float) -> tuple[float, float]:
         f_t = STRENGTH / mean(table_of.strength(brittleness, 0.29))
         G_t = energy / mean(table_of.energy(brittleness, 0.29))
     return f_t, G_t
-
-
-def path(run: Run) -> tuple[FloatArray, FloatArray]:
-    """Places (k, 2) of cracked facets in the plane [m], and their areas times openings."""
-    last = run.result.last
-    opened = last.opening > OPEN
-    return last.tessellation.contacts.centroid[opened, :2], (last.tessellation.contacts.area * last.opening)[opened]
-
-
-def inclination(run: Run, part: tuple[float, float]) -> float:
-    """Of a part of the crack against the horizontal, upwards and away from the corner [degrees]."""
-    at, weight = path(run)
-    here = (at[:, 0] > part[0]) & (at[:, 0] < part[1])
-    slope = np.polyfit(at[here, 0], at[here, 1], 1, w=np.sqrt(weight[here]))[0]
-    return float(-np.degrees(np.arctan(slope)))
 
 
 def produce(found: argparse.Namespace) -> Report:
@@ -147,8 +67,6 @@ def produce(found: argparse.Namespace) -> Report:
     pair = difference(runs[0], full)
     pair["itself"] = 100 * compare_results(full.result, shorter.result).max_load_difference
     if found.picture:
-        from winkler_figure import draw
-
         draw(runs, Curve.measured(), found.picture)
     rows = [_row(seed, USED, run) for seed, run in zip(seeds, runs, strict=True)]
     rows += [_row(seeds[0], energy, run) for energy, run in ends.items()]
@@ -229,8 +147,7 @@ def _markdown(rows: list[dict[str, Any]], runs: list[Run], pair: dict[str, Any])
 
 def _values(rows: list[dict[str, Any]], key: str, unit: float, wanted: float, digits: int) -> list[str]:
     values = [row[key] for row in rows]
-    spread = f" ± {unit * stdev(values):.{digits}f}" if len(values) > 1 else ""
-    return [f"{unit * mean(values):.{digits}f}{spread}", f"{unit * wanted:.{digits}f}", _off(mean(values), wanted)]
+    return [shown((unit * v for v in values), digits), f"{unit * wanted:.{digits}f}", _off(mean(values), wanted)]
 
 
 def _off(value: float, wanted: float) -> str:

@@ -13,11 +13,11 @@ from common import Run
 from fissura.results.crack_picture import HEAT
 from fissura.results.lettering import save
 from fissura.results.pictures import DPI, INK, headline, legend, tidy
+from specimens_figure import corners_of
+from winkler_curves import Curve, path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from winkler import Curve
 
 #: Corners of the panel [mm].
 PANEL = np.array([[0, 0], [250, 0], [250, 250], [500, 250], [500, 500], [0, 500], [0, 0]])
@@ -28,8 +28,6 @@ STRIP = 0.01
 
 def draw(runs: list[Run], wanted: Curve, to: Path) -> None:
     """Draw curves on the left, cracks on the right."""
-    from winkler import Curve
-
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
     curves = [Curve.of(run) for run in runs]
@@ -52,15 +50,11 @@ def draw(runs: list[Run], wanted: Curve, to: Path) -> None:
 
 
 def _cracks(axes: Axes, runs: list[Run]) -> None:
-    from winkler import path
-
     last = runs[0].result.last
-    polygons, opening = last.tessellation.contacts.polygons, last.opening
-    shown = np.flatnonzero(opening[polygons.facet] > 0.02 * opening.max())
-    shown = shown[np.argsort(opening[polygons.facet[shown]], kind="stable")]
-    corners = [1e3 * polygons.points[polygons.offsets[k] : polygons.offsets[k + 1], :2] for k in shown]
-    colours = HEAT(opening[polygons.facet[shown]] / opening.max())
-    axes.add_collection(PolyCollection(corners, facecolors=colours, edgecolors=colours, linewidths=0.3))
+    shapes, facet = corners_of(last, last.opening > 0.02 * last.opening.max())
+    colours = HEAT(last.opening[facet] / last.opening.max())
+    flat = [shape[:, :2] for shape in shapes]
+    axes.add_collection(PolyCollection(flat, facecolors=colours, edgecolors=colours, linewidths=0.3))
     for k, run in enumerate(runs):
         at, weight = path(run)
         strip = np.floor(at[:, 0] / STRIP).astype(int)
