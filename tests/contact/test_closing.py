@@ -10,10 +10,8 @@ from hypothesis import strategies as st
 from equilibrium.models import CONCRETE
 from fissura.contact import ClosingCusatisCedolin, CusatisCedolin
 
-YIELD = CONCRETE.f_t / CONCRETE.E
-LENGTH = 0.0125
-COMPONENT = st.floats(-40.0, 40.0, allow_nan=False)
-PATHS = st.lists(st.tuples(COMPONENT, COMPONENT, COMPONENT), min_size=1, max_size=6)
+from .paths import LENGTH, PATHS, YIELD, answered, extrapolated, random_states, slopes
+
 LAW = ClosingCusatisCedolin.create(CONCRETE, np.array([LENGTH]))
 PUBLISHED = CusatisCedolin.create(CONCRETE, np.array([LENGTH]))
 
@@ -30,16 +28,6 @@ def followed(corners, parts):
         piece[np.abs(piece[:, 0]) < 1e-12 * np.abs(points).max(), 0] = 0.0
         path.append(piece)
     return np.concatenate(path)
-
-
-def answered(law, path):
-    """Tractions and histories along a path."""
-    history, tractions, histories = law.initial_history(), [], []
-    for strain in path:
-        traction, history = law.response(strain[None], history)
-        tractions.append(traction[0])
-        histories.append(history[0])
-    return np.array(tractions), np.array(histories)
 
 
 @settings(max_examples=60)
@@ -106,29 +94,15 @@ def test_a_cycle_that_closes_comes_back_to_the_envelope():
 @pytest.mark.parametrize("known", [False, True])
 def test_tangent_against_central_differences(known):
     rng = np.random.default_rng(12)
-    n = 3000
-    law = ClosingCusatisCedolin.create(CONCRETE, np.full(n, LENGTH))
-    strain = rng.normal(size=(n, 3)) * YIELD * 10 ** rng.uniform(-0.3, 1.5, (n, 1))
-    history = law.initial_history()
-    if known:
-        factor = rng.uniform(0.0, 1.2, (n, 1))
-        _, history = law.response(factor * np.linalg.norm(strain, axis=1)[:, None] * rng.normal(size=(n, 3)), history)
-    way = rng.normal(size=(n, 3))
-    way *= (np.linalg.norm(strain, axis=1) / np.linalg.norm(way, axis=1))[:, None]
-    tangent = law.tangent(strain, history)
-    exact = np.einsum("cab,cb->ca", tangent, way)
-
-    def slope(h):
-        return (law.response(strain + h * way, history)[0] - law.response(strain - h * way, history)[0]) / (2.0 * h)
-
-    coarse, fine = slope(2e-4), slope(1e-4)
-    size = np.linalg.norm(tangent, axis=(1, 2)) * np.linalg.norm(way, axis=1)
+    law = ClosingCusatisCedolin.create(CONCRETE, np.full(3000, LENGTH))
+    strain, history = random_states(law, rng, known=known)
+    exact, coarse, fine, size = slopes(law, rng, strain, history)
     smooth = np.linalg.norm(coarse - fine, axis=1) < 1e-4 * size  # no kink in between
     grows = law.response(strain, history)[1][:, 0] > history[:, 0]
     assert (smooth & (strain[:, 0] < 0.0) & grows).sum() > 50
     assert (smooth & (strain[:, 0] > 0.0) & grows).sum() > 300
     assert smooth.mean() > 0.95
-    error = np.linalg.norm((4.0 * fine - coarse) / 3.0 - exact, axis=1) / size
+    error = np.linalg.norm(extrapolated(coarse, fine) - exact, axis=1) / size
     assert error[smooth].max() < 1e-5
 
 

@@ -10,10 +10,8 @@ from hypothesis import strategies as st
 from equilibrium.models import CONCRETE
 from fissura.contact import CusatisCedolin
 
-YIELD = CONCRETE.f_t / CONCRETE.E
-LENGTH = 0.0125
-COMPONENT = st.floats(-40.0, 40.0, allow_nan=False)
-PATHS = st.lists(st.tuples(COMPONENT, COMPONENT, COMPONENT), min_size=1, max_size=6)
+from .paths import LENGTH, PATHS, YIELD, answered, extrapolated, random_states, slopes
+
 LAW = CusatisCedolin.create(CONCRETE, np.array([LENGTH]))
 
 
@@ -25,23 +23,13 @@ def followed(corners, parts=60):
     return np.concatenate([np.zeros((1, 3)), *pieces])
 
 
-def answered(path):
-    """Tractions and histories along a path."""
-    history, tractions, histories = LAW.initial_history(), [], []
-    for strain in path:
-        traction, history = LAW.response(strain[None], history)
-        tractions.append(traction[0])
-        histories.append(history[0])
-    return np.array(tractions), np.array(histories)
-
-
 @settings(deadline=None, max_examples=60, derandomize=True)
 @given(PATHS)
 @example([(30.0, 0.0, 0.0), (-40.0, 0.0, 0.0), (0.0, 40.0, 0.0)])
 @example([(0.0, 40.0, 0.0), (0.0, -40.0, 0.0), (5.0, 0.0, 0.0)])
 def test_damage_only_grows_and_energy_is_never_gained(corners):
     path = followed(corners)
-    traction, history = answered(path)
+    traction, history = answered(LAW, path)
     assert (np.diff(history, axis=0) >= 0).all()
     assert (history[:, 0] >= 0).all()
     assert (history[:, 0] < 1).all()
@@ -62,7 +50,7 @@ def test_damage_only_grows_and_energy_is_never_gained(corners):
 @given(PATHS)
 def test_tractions_stay_along_the_strain_and_inside_the_elastic_ones(corners):
     path = followed(corners, parts=3)
-    traction, history = answered(path)
+    traction, history = answered(LAW, path)
     np.testing.assert_allclose(traction, (1 - history[:, :1]) * LAW.elastic * path, rtol=1e-12, atol=1e-9)
 
 
@@ -71,7 +59,7 @@ def test_tractions_stay_along_the_strain_and_inside_the_elastic_ones(corners):
 def test_tension_depends_on_the_largest_strain_alone(values):
     path = np.zeros((len(values), 3))
     path[:, 0] = np.array(values) * YIELD
-    traction, history = answered(path)
+    traction, history = answered(LAW, path)
     top = np.array([[path[:, 0].max(), 0.0, 0.0]])
     once, state = LAW.response(top, LAW.initial_history())
     assert history[-1, 0] == pytest.approx(state[0, 0], abs=1e-14)
@@ -93,29 +81,13 @@ def away_from_kinks(law, strain, history):
 @pytest.mark.parametrize("known", [False, True])
 def test_tangent_against_central_differences(known):
     rng = np.random.default_rng(12)
-    n = 3000
-    law = CusatisCedolin.create(CONCRETE, np.full(n, LENGTH))
-    strain = rng.normal(size=(n, 3)) * YIELD * 10 ** rng.uniform(-0.3, 1.5, (n, 1))
-    history = law.initial_history()
-    if known:
-        factor = rng.uniform(0.0, 1.2, (n, 1))
-        _, history = law.response(factor * np.linalg.norm(strain, axis=1)[:, None] * rng.normal(size=(n, 3)), history)
+    law = CusatisCedolin.create(CONCRETE, np.full(3000, LENGTH))
+    strain, history = random_states(law, rng, known=known)
     smooth, grows = away_from_kinks(law, strain, history)
     assert (smooth & grows).sum() > 300
     assert (smooth & ~grows).sum() > 100
-    tangent = law.tangent(strain, history)
-    way = rng.normal(size=(n, 3))
-    way *= (np.linalg.norm(strain, axis=1) / np.linalg.norm(way, axis=1))[:, None]
-    # Two step lengths, extrapolated: the error goes with the fourth power.
-    slope = []
-    for h in (2e-4, 1e-4):
-        plus, _ = law.response(strain + h * way, history)
-        minus, _ = law.response(strain - h * way, history)
-        slope.append((plus - minus) / (2 * h))
-    measured = (4 * slope[1] - slope[0]) / 3
-    exact = np.einsum("cab,cb->ca", tangent, way)
-    size = np.linalg.norm(tangent, axis=(1, 2)) * np.linalg.norm(way, axis=1)
-    error = np.linalg.norm(measured - exact, axis=1) / size
+    exact, coarse, fine, size = slopes(law, rng, strain, history)
+    error = np.linalg.norm(extrapolated(coarse, fine) - exact, axis=1) / size
     assert error[smooth].max() < 1e-6
 
 
