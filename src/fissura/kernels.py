@@ -119,7 +119,7 @@ class _State:
     def announce(self) -> None:
         """Say once that much is compiled."""
         if not self.told_slow and self.say:
-            _log.info("compiling kernels, for this run and all later ones: up to a minute")
+            _log.info("compiling kernels, for this run and all later ones: a minute or more")
         self.told_slow = True
 
     def damage(self) -> None:
