@@ -32,15 +32,16 @@ control.target = 1e-4
 )
 
 
-@pytest.fixture(scope="session")
-def small_case() -> Callable[..., Case]:
-    """Build the small notched beam, with tables or values replaced: ``small_case(load__at=0.05, notch=[])``.
+def small_beam(folder: Path | None = None, **changes: Any) -> Case:
+    """The small notched beam, with tables or values replaced: ``small_beam(load__at=0.05, notch=[])``.
 
     A value of None removes the key.
     """
+    data = replaced(SMALL_BEAM, {path: ABSENT if value is None else value for path, value in changes.items()})
+    return case_from_dict(data, folder or Path())
 
-    def build(folder: Path | None = None, **changes: Any) -> Case:
-        data = replaced(SMALL_BEAM, {path: ABSENT if value is None else value for path, value in changes.items()})
-        return case_from_dict(data, folder or Path())
 
-    return build
+@pytest.fixture(scope="session")
+def small_case() -> Callable[..., Case]:
+    """`small_beam`, as a fixture."""
+    return small_beam

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import fissura
+import fissura.advance
 import fissura.structure
 from equilibrium.models import beam
 from fissura.equilibrium import SingularMatrixError, StepSolver
@@ -142,7 +143,7 @@ def fail_in_coarsening(where, error, monkeypatch):
 
     def failing(self, *args):
         with monkeypatch.context() as inside:
-            Broken(inside, fissura.structure if where == "discretize" else fissura.simulation, where, error)
+            Broken(inside, fissura.structure if where == "discretize" else fissura.advance, where, error)
             return original(self, *args)
 
     monkeypatch.setattr(Structure, "coarsen", failing)

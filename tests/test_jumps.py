@@ -11,8 +11,8 @@ def jumps(loads, iterations, failed=()):
     found = Jumps()
     for number, (load, count) in enumerate(zip(loads, iterations, strict=True), 1):
         if number in failed:
-            found.failed()
-        found.accepted(number, number * 1e-6, load, count)
+            found = found.failed()
+        found = found.accepted(number, number * 1e-6, load, count)
     return found.notices()
 
 
@@ -36,12 +36,9 @@ def test_many_corrections_and_failures_are_jumps(iterations, failed, sign):
 
 
 def test_a_later_peak_brings_a_jump_before_it():
-    found = Jumps()
-    found.accepted(1, 1e-6, 100.0, 2)
-    found.accepted(2, 2e-6, 90.0, 20)
+    found = Jumps().accepted(1, 1e-6, 100.0, 2).accepted(2, 2e-6, 90.0, 20)
     assert found.notices() == ()
-    found.accepted(3, 3e-6, 110.0, 2)
-    assert len(found.notices()) == 1
+    assert len(found.accepted(3, 3e-6, 110.0, 2).notices()) == 1
 
 
 def test_a_brittle_beam_tells_of_its_jumps_and_a_tough_one_has_none():

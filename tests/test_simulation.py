@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import fissura.simulation
 import fissura.structure
 from equilibrium.models import BEAM, beam, changed
 from fissura.adaptivity import gauge_compliance
 from fissura.case import case_from_dict, load_case
 from fissura.contact import kinematics, nodal_forces
-from fissura.equilibrium import attach
+from fissura.equilibrium import StepSolver, attach
 from fissura.equilibrium.assembly import add_spin
 from fissura.errors import InputError, RunStopped
 from fissura.simulation import Simulation
@@ -609,7 +608,7 @@ def test_steps_before_a_stop_are_valid(switch, monkeypatch):
     """Beyond some opening no equilibrium is found any more: the run ends with what it has, after trying small steps."""
     last, tried = 1.1e-5, []
     _, full = done("coarse", True)
-    solve = fissura.simulation.StepSolver.solve
+    solve = StepSolver.solve
 
     def failing(self, system, history, constraint, *rest, **more):
         if constraint.prescribed:
@@ -617,7 +616,7 @@ def test_steps_before_a_stop_are_valid(switch, monkeypatch):
         beyond = not constraint.prescribed or constraint.value > last
         return None if beyond else solve(self, system, history, constraint, *rest, **more)
 
-    monkeypatch.setattr(fissura.simulation.StepSolver, "solve", failing)
+    monkeypatch.setattr(StepSolver, "solve", failing)
     case = beam(control={"min_step": 1e-7, "switch": switch})
     kept = []
     with pytest.raises(RunStopped, match="min_step") as caught:  # noqa: PT012

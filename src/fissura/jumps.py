@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 from fissura.errors import Notice
 
 __all__ = ["Jumps"]
@@ -10,25 +12,40 @@ __all__ = ["Jumps"]
 _FOLLOWED = 8
 
 
+@dataclass(frozen=True)
 class Jumps:
     """Remembers where damage jumped in a run.
 
     Where contacts break suddenly there are several states of equilibrium beyond, and the length of the step decides
     which of them is found. Such a step takes many corrections, or fails and is tried again in another way
     (`benchmarks/step_length.py`).
+
+    Attributes
+    ----------
+    number : (j,) tuple of int
+        Steps in which it jumped.
+    gauge : (j,) tuple of float
+        Gauge at their ends [m].
+    has_failed : bool
+        An attempt at the next step has found no equilibrium.
+    peak : float
+        Largest load so far [N].
+    until : int
+        Step that reached it.
     """
 
-    def __init__(self) -> None:
-        self._failed = False
-        self._found: list[tuple[int, float]] = []  # number of the step, and gauge
-        self._peak, self._until = 0.0, 0
+    number: tuple[int, ...] = ()
+    gauge: tuple[float, ...] = ()
+    has_failed: bool = False
+    peak: float = 0.0
+    until: int = 0
 
-    def failed(self) -> None:
-        """An attempt found no equilibrium."""
-        self._failed = True
+    def failed(self) -> Jumps:
+        """After an attempt that found no equilibrium."""
+        return replace(self, has_failed=True)
 
-    def accepted(self, number: int, gauge: float, load: float, iterations: int) -> None:
-        """Take note of an accepted step.
+    def accepted(self, number: int, gauge: float, load: float, iterations: int) -> Jumps:
+        """After an accepted step.
 
         Parameters
         ----------
@@ -39,22 +56,23 @@ class Jumps:
         iterations : int
             Corrections that its solution took.
         """
-        if self._failed or iterations > _FOLLOWED:
-            self._found.append((number, gauge))
-        self._failed = False
-        if abs(load) > self._peak:
-            self._peak, self._until = abs(load), number
+        found = self
+        if self.has_failed or iterations > _FOLLOWED:
+            found = replace(found, number=(*self.number, number), gauge=(*self.gauge, gauge))
+        if abs(load) > self.peak:
+            found = replace(found, peak=abs(load), until=number)
+        return replace(found, has_failed=False)
 
     def notices(self) -> tuple[Notice, ...]:
         """What is to be said of jumps before the peak, or at it."""
-        before = [(number, gauge) for number, gauge in self._found if number <= self._until]
+        before = [found for found in zip(self.number, self.gauge, strict=True) if found[0] <= self.until]
         if not before:
             return ()
         first, gauge = before[0]
         return (
             Notice(
                 "control.max_step",
-                f"damage jumped before the peak in {len(before)} of {self._until} steps, first at step {first} (gauge"
+                f"damage jumped before the peak in {len(before)} of {self.until} steps, first at step {first} (gauge"
                 f" {gauge:.3g} m): what comes then depends on the length of steps, and the peak may by some per cent",
                 "see whether a run with a smaller max_step has the same peak",
             ),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from fissura.adaptivity import (
     Coarsening,
     ElasticState,
+    Layout,
     RefinedRegion,
     calibrated,
     criterion_named,
@@ -75,8 +76,10 @@ class Structure:
         The specimen, and all its fine nuclei.
     field : RandomField or None
         Relative strength as a function of position; None where it is the same everywhere.
+    layout : Layout
+        What decides the current discretization.
     system : System
-        Equations of the current discretization.
+        Its equations.
     compliance : float or None
         Controlled quantity per unit load of the undamaged structure at full resolution [m/N]; known when calibration
         has needed it.
@@ -102,12 +105,11 @@ class Structure:
         self.field = field_from_case(case)
         self._team = Team(case.solver.threads)
         self.nuclei = nuclei_from_case(case, self.domain)
-        self._region = region_from_case(case, self.domain, full=full)
-        self._coarsening, self._stays_fine = Coarsening(self.nuclei.x), False
+        self.layout = Layout(region_from_case(case, self.domain, full=full), Coarsening(self.nuclei.x))
         if self._elastic.contains(self.nuclei.x).all():  # facets between nuclei may lie outside all the same
             check_not_everywhere(self._elastic, self._whole().contacts.centroid)
         self.compliance: float | None = None
-        start = self._discretized(self._region)
+        start = self._discretized(self.layout.region)
         check_places(self._conditions, self.nuclei, case.discretization.l_f, start=False)
         if not len(start.contacts) and len(start) < len(self.nuclei):
             raise InputError(
@@ -125,7 +127,7 @@ class Structure:
 
     def _whole(self) -> Tessellation:
         """Full resolution, without what only another discretization of the specimen needs."""
-        return self._discretized(replace(self._region, everywhere=True)).without_shapes()
+        return self._discretized(replace(self.layout.region, everywhere=True)).without_shapes()
 
     def _equations(self, tessellation: Tessellation) -> System:
         return System(
@@ -155,7 +157,15 @@ class Structure:
         SingularMatrixError
             The structure is a mechanism.
         """
-        self.system = self._calibrated(self.system)
+        self._change(self.layout, self._calibrated(self.system))
+        return self.system
+
+    def at(self, layout: Layout) -> System:
+        """The equations of a layout of this specimen; made again unless it is the current one."""
+        if layout is not self.layout:
+            system = self._equations(self._discretized(layout.region, self.system.tessellation))
+            scale = layout.elastic_scale
+            self.layout, self.system = layout, system if scale == 1.0 else system.scaled(scale)
         return self.system
 
     def assess(self, response: Response, load: float) -> tuple[ElasticState, FloatArray]:
@@ -193,8 +203,8 @@ class Structure:
         InputError, SingularMatrixError
             The refined discretization cannot be used.
         """
-        self._coarsening, self._region = self._coarsening.refined(centers), self._region.grown(centers)
-        self.system = self._changed(self._region)
+        layout = self.layout.refined(centers)
+        self._change(layout, self._changed(layout.region))
         return self.system
 
     def coarsen(self, response: Response, settle: Callable[[System], None]) -> bool:
@@ -217,10 +227,10 @@ class Structure:
         InputError, SingularMatrixError
             The coarser discretization cannot be used; then, and after an error of `settle`, nothing has changed.
         """
-        if self._full or not self._case.adaptivity.coarsen or self._stays_fine:
+        if self._full or not self._case.adaptivity.coarsen or self.layout.stays_fine:
             return False
-        self._coarsening = self._coarsening.stepped()
-        system, before = self.system, self._region
+        self.layout = layout = replace(self.layout, coarsening=self.layout.coarsening.stepped())
+        system = self.system
         needed = needed_bodies(
             system.tessellation,
             system.active,
@@ -229,17 +239,21 @@ class Structure:
             response.history,
             self._case.adaptivity.gamma_coarse,
         )
-        region = self._coarsening.smaller(before, system.tessellation, needed)
+        region = layout.coarsening.smaller(layout.region, system.tessellation, needed)
         if region is None:
             return False
         changed = self._changed(region)
         settle(changed)
-        self._coarsening, self._region, self.system = self._coarsening.coarsened(before), region, changed
+        self._change(layout.coarsened(region), changed)
         return True
 
     def keep_fine(self) -> None:
         """Never coarsen again."""
-        self._stays_fine = True
+        self.layout = replace(self.layout, stays_fine=True)
+
+    def _change(self, layout: Layout, system: System) -> None:
+        """Go over to another layout, but for its factor, and to its equations."""
+        self.layout, self.system = replace(layout, elastic_scale=system.elastic_scale), system
 
     def _changed(self, region: RefinedRegion) -> System:
         """Equations for another region."""

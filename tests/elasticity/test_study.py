@@ -20,8 +20,7 @@ def test_a_prism_has_the_stiffness_of_a_run():
     """From end to end: load over displacement as a run at full resolution finds it."""
     case = prism_case(0.05, 2.0, 0.01, 3, 30e9, 0.29)
     simulation = Simulation(case, full=True)
-    simulation._start()
-    modulus = simulation.initial_stiffness * 0.1 / 0.05**2
+    modulus = simulation.start().start.stiffness * 0.1 / 0.05**2
     prism = Prism(0.05, 2.0, 0.01, 3)
     assert len(prism) == simulation.bodies_full
     assert prism.constants(0.29, 30e9).E_whole == pytest.approx(modulus, rel=1e-4)

@@ -6,8 +6,9 @@ from fissura.equilibrium.attach import attach
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.direct import SOLVERS, best_solver
 from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
+from fissura.equilibrium.memory import SolverMemory
 from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
-from fissura.equilibrium.path import Goal, PathFollower
+from fissura.equilibrium.path import Goal, Leading, PathFollower
 from fissura.equilibrium.places import check_places
 from fissura.equilibrium.steps import StepLength
 from fissura.equilibrium.system import Response, System
@@ -18,10 +19,12 @@ __all__ = [
     "Constraint",
     "Equilibrium",
     "Goal",
+    "Leading",
     "Norms",
     "PathFollower",
     "Response",
     "SingularMatrixError",
+    "SolverMemory",
     "StepLength",
     "StepSolver",
     "System",

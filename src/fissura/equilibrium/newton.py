@@ -18,6 +18,7 @@ from fissura.contact import contact_strains
 from fissura.equilibrium.constraint import Constraint, holding
 from fissura.equilibrium.krylov import dot, norm
 from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
+from fissura.equilibrium.memory import SolverMemory
 from fissura.equilibrium.system import Response, System
 from fissura.equilibrium.tangent import TangentSolver
 
@@ -194,13 +195,32 @@ class StepSolver:
         Equilibrium or None
             None when no equilibrium was found.
         """
+        tangent = self._of(system)
+        self._system, self._history, self._constraint, self._scale = system, history, constraint, load_scale
+        counted = tangent.iterations
+        found = self._solve(guess, patience)
+        self.linear_iterations = tangent.iterations - counted
+        return found
+
+    def _of(self, system: System) -> TangentSolver:
         if self._tangent is None or self._tangent.system is not system:
             self._tangent = TangentSolver(system)
-        self._system, self._history, self._constraint, self._scale = system, history, constraint, load_scale
-        counted = self._tangent.iterations
-        found = self._solve(guess, patience)
-        self.linear_iterations = self._tangent.iterations - counted
-        return found
+        return self._tangent
+
+    def memory(self, system: System) -> SolverMemory:
+        """What decides the last bits of the next solution for a system."""
+        return self._of(system).memory
+
+    def restore(self, system: System, memory: SolverMemory) -> None:
+        """Go on with a system as when this was its memory.
+
+        Raises
+        ------
+        SingularMatrixError
+            The structure is a mechanism.
+        """
+        self._tangent = TangentSolver(system)
+        self._tangent.restore(memory)
 
     def _solve(self, guess: tuple[FloatArray, float], patience: int) -> Equilibrium | None:
         self._load_size = norm(self._system.weights * self._system.load)

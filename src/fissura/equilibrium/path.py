@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import logging
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.steps import StepLength
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fissura.equilibrium.newton import Equilibrium
     from fissura.equilibrium.system import System
 
-__all__ = ["Goal", "PathFollower"]
+__all__ = ["Goal", "Leading", "PathFollower"]
 
 _log = logging.getLogger(__name__)
 
@@ -91,6 +91,42 @@ class Goal:
         return prescribed(system.control, self.size)
 
 
+@dataclass(frozen=True)
+class Leading:
+    """What is remembered of the steps so far, to choose the next one.
+
+    Attributes
+    ----------
+    gauge, energy : StepLength
+        Of steps under the gauge [m], and of those in energy [J].
+    in_energy : bool
+        Whether energy leads.
+    leapt : bool
+        The step just tried is too long to be sure of the peak.
+    jumping : bool
+        A jump is to be followed under the gauge.
+    failures : int
+        Failed attempts at the next step.
+    growing, needed : int
+        Steps in a row in which the gauge grew while energy led, and how many of them give it the lead again.
+    since : int
+        Steps since it has it.
+    dissipated : float
+        Energy dissipated in the last accepted step [J].
+    """
+
+    gauge: StepLength
+    energy: StepLength
+    in_energy: bool = False
+    leapt: bool = False
+    jumping: bool = False
+    failures: int = 0
+    growing: int = 0
+    needed: int = _GROWING
+    since: int = _SOON
+    dissipated: float = 0.0
+
+
 class PathFollower:
     """Chooses goals, learning from how earlier ones were met.
 
@@ -105,51 +141,68 @@ class PathFollower:
     limit : float
         Value of the controlled quantity at which the first contact comes to its strength [m]: the first step ends there
         at the latest, and the smallest step shrinks with the first one.
+    memory : Leading, optional
+        What is remembered of earlier steps; nothing by default.
+
+    Attributes
+    ----------
+    memory : Leading
+        What is remembered now.
     """
 
-    def __init__(self, control: Control, energy: float, quantity: str, limit: float = math.inf) -> None:
+    def __init__(
+        self,
+        control: Control,
+        energy: float,
+        quantity: str,
+        limit: float = math.inf,
+        memory: Leading | None = None,
+    ) -> None:
         self._target, self._quantity = control.target, quantity
         self._always = control.type == "dissipation"
         self._may_switch = self._always or control.switch
         self._stop_load = control.stop_load
+        self.memory = self._beginning(control, energy, limit) if memory is None else memory
+
+    @staticmethod
+    def _beginning(control: Control, energy: float, limit: float) -> Leading:
+        """What is known before the first step."""
         first = min(control.first_step, max(limit, _LEAST * control.first_step))
-        self._gauge = StepLength.starting(first, control.max_step, control.min_step * (first / control.first_step))
         longest = energy * control.max_step / control.target
-        self._energy = StepLength(longest, longest / 2.0**_HALVINGS, 0)
-        self._leads = False  # whether energy does
-        self._leapt = False  # whether the step just tried is too long to be sure of the peak
-        self._jumping = False  # whether a jump is to be followed under the gauge
-        self._failures = 0
-        self._growing, self._needed = 0, _GROWING
-        self._since = _SOON  # steps since the gauge came back
-        self._dissipated = 0.0  # in the last accepted step
+        return Leading(
+            StepLength.starting(first, control.max_step, control.min_step * (first / control.first_step)),
+            StepLength(longest, longest / 2.0**_HALVINGS, 0),
+        )
+
+    def _remember(self, **changes: Any) -> None:
+        self.memory = replace(self.memory, **changes)
 
     @property
     def length(self) -> float:
         """Length of the next step under the gauge [m]."""
-        return self._gauge.length
+        return self.memory.gauge.length
 
     @property
     def smallest(self) -> float:
         """Step under the gauge below which a run is given up [m]."""
-        return self._gauge.smallest
+        return self.memory.gauge.smallest
 
     def ended(self, value: float, load: float, peak: float) -> bool:
         """Whether the run is over, with this value of the controlled quantity, and these loads [N]."""
-        least = max(self._stop_load, _BROKEN if self._leads else 0.0)
+        least = max(self._stop_load, _BROKEN if self.memory.in_energy else 0.0)
         return value >= self._target * (1.0 - 1e-9) or abs(load) < least * peak
 
     def goal(self, value: float) -> Goal:
         """Goal of the next step, from a value of the controlled quantity."""
-        if self._leads:
-            return Goal("dissipation", self._energy.length)
-        patient = self._failures >= _CUTS and (self._jumping or not self._may_switch)
-        patient = patient and self._failures < _CUTS + _PATIENT_ATTEMPTS
-        return Goal(self._quantity, self._gauge.next_value(value, self._target), _PATIENCE if patient else 1)
+        if self.memory.in_energy:
+            return Goal("dissipation", self.memory.energy.length)
+        patient = self.memory.failures >= _CUTS and (self.memory.jumping or not self._may_switch)
+        patient = patient and self.memory.failures < _CUTS + _PATIENT_ATTEMPTS
+        return Goal(self._quantity, self.memory.gauge.next_value(value, self._target), _PATIENCE if patient else 1)
 
     def is_jump(self, goal: Goal, lost: float, peak: float) -> bool:
         """Whether a converged step that lost so much load [N] left out a part of the path that energy can follow."""
-        return self._may_switch and not goal.in_energy and not self._jumping and lost > _JUMP * peak
+        return self._may_switch and not goal.in_energy and not self.memory.jumping and lost > _JUMP * peak
 
     def is_leap(self, goal: Goal, now: Equilibrium, found: Equilibrium, peak: float) -> bool:
         """Whether a converged step is so long that the peak may lie within it; `failed` shortens it then.
@@ -163,11 +216,12 @@ class PathFollower:
         peak : float
             Largest load so far [N].
         """
-        long = not goal.in_energy and not self._jumping and now.value > 0.0
+        long = not goal.in_energy and not self.memory.jumping and now.value > 0.0
         long = long and found.value > (1.0 + _SHORT) * now.value and abs(now.load) >= _TOP * peak
         softened = abs(found.load) * now.value < _STIFF * abs(now.load) * found.value
-        self._leapt = long and softened and self._gauge.halved() is not None
-        return self._leapt
+        leapt = bool(long and softened and self.memory.gauge.halved() is not None)
+        self._remember(leapt=leapt)
+        return leapt
 
     def succeeded(self, goal: Goal, iterations: int, growth: float, dissipated: float, value: float) -> None:
         """Take note of an accepted step.
@@ -185,21 +239,21 @@ class PathFollower:
         value : float
             Value of the controlled quantity [m].
         """
-        self._failures, self._jumping, self._dissipated = 0, False, dissipated
+        self._remember(failures=0, jumping=False, dissipated=dissipated)
         if goal.in_energy:
-            self._energy = self._energy.after(iterations, 0.0)
-            self._growing = self._growing + 1 if growth >= self._gauge.length / self._needed else 0
-            steady = self._growing >= self._needed or (growth > self._gauge.longest and self._needed == _GROWING)
+            gauge, needed = self.memory.gauge, self.memory.needed
+            growing = self.memory.growing + 1 if growth >= gauge.length / needed else 0
+            self._remember(energy=self.memory.energy.after(iterations, 0.0), growing=growing)
+            steady = growing >= needed or (growth > gauge.longest and needed == _GROWING)
             if steady and not self._always:
-                self._leads, self._since = False, 0
                 # It begins with steps as long as those that energy made, lest it leap over what comes.
-                first = min(max(growth, self._gauge.smallest), self._gauge.longest)
-                self._gauge = StepLength.starting(first, self._gauge.longest, self._gauge.smallest)
+                first = min(max(growth, gauge.smallest), gauge.longest)
+                gauge = StepLength.starting(first, gauge.longest, gauge.smallest)
+                self._remember(in_energy=False, since=0, gauge=gauge)
                 _log.info("the %s leads again at %.4g m", self._quantity, value)
             return
-        self._since += 1
-        self._gauge = self._gauge.after(iterations, value)
-        if self._always and dissipated >= _DAMAGE_BEGINS * self._energy.longest:
+        self._remember(since=self.memory.since + 1, gauge=self.memory.gauge.after(iterations, value))
+        if self._always and dissipated >= _DAMAGE_BEGINS * self.memory.energy.longest:
             self._take_over()
 
     def failed(self, *, unloaded: bool = False) -> bool:
@@ -210,48 +264,49 @@ class PathFollower:
         unloaded : bool
             The step began without load: energy cannot lead from there.
         """
-        if self._leapt:
-            self._leapt = False
-            self._gauge = self._gauge.halved() or self._gauge
+        gauge = self.memory.gauge
+        shorter = gauge.halved()
+        if self.memory.leapt:
+            self._remember(leapt=False, gauge=shorter or gauge)
             return True
-        self._failures += 1
-        if self._leads:
-            shorter = self._energy.halved()
-            if shorter is not None:
-                self._energy = shorter
+        failures = self.memory.failures + 1
+        self._remember(failures=failures)
+        if self.memory.in_energy:
+            less = self.memory.energy.halved()
+            if less is not None:
+                self._remember(energy=less)
             else:
-                self._leads, self._jumping, self._failures = False, True, _CUTS
+                self._remember(in_energy=False, jumping=True, failures=_CUTS)
             return True
-        shorter = self._gauge.halved()
-        if self._may_switch and not self._jumping and not unloaded:
-            if self._damaging or self._failures > _ELASTIC_CUTS or shorter is None:
+        if self._may_switch and not self.memory.jumping and not unloaded:
+            if self._damaging or failures > _ELASTIC_CUTS or shorter is None:
                 self._take_over()
             else:
-                self._gauge = shorter
+                self._remember(gauge=shorter)
             return True
         if shorter is None:
-            if self._failures > _CUTS:
+            if failures > _CUTS:
                 return False
-            self._failures = _CUTS
+            self._remember(failures=_CUTS)
             return True
-        self._gauge = shorter
+        self._remember(gauge=shorter)
         return True
 
     @property
     def _first(self) -> float:
         """Least energy of the first step in which energy leads [J]."""
-        return self._energy.longest / 2.0**_FIRST_HALVINGS
+        return self.memory.energy.longest / 2.0**_FIRST_HALVINGS
 
     @property
     def _damaging(self) -> bool:
         """Whether the last step did some damage."""
-        return self._dissipated > self._first
+        return self.memory.dissipated > self._first
 
     def _take_over(self) -> None:
         """Let energy lead, with steps that dissipate as much as the last one did."""
-        longest = self._energy.longest
-        first = min(max(self._dissipated, self._first), longest)
-        self._energy = StepLength.starting(first, longest, self._energy.smallest)
-        self._needed = min(2 * self._needed, _MOST_GROWING) if self._since < _SOON else _GROWING
-        self._leads, self._failures, self._growing = True, 0, 0
-        _log.info("dissipated energy leads, with %.3g J a step", self._energy.length)
+        memory = self.memory
+        first = min(max(memory.dissipated, self._first), memory.energy.longest)
+        energy = StepLength.starting(first, memory.energy.longest, memory.energy.smallest)
+        needed = min(2 * memory.needed, _MOST_GROWING) if memory.since < _SOON else _GROWING
+        self._remember(energy=energy, needed=needed, in_energy=True, failures=0, growing=0)
+        _log.info("dissipated energy leads, with %.3g J a step", energy.length)

@@ -8,6 +8,7 @@ from weakref import proxy
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.equilibrium.memory import SecantMemory
 from fissura.equilibrium.symmetric import SymmetricSolver
 
 if TYPE_CHECKING:
@@ -94,10 +95,28 @@ class PreparedSecant:
         """Prepare the solver; does nothing when it is prepared for this damage."""
         if self.is_for(history):
             return
-        self._system.factor_secant(history)
+        self._factor_for(self._system.law.intact(history))
+
+    def _factor_for(self, intact: FloatArray) -> None:
+        """Prepare the solver for what contacts have left, (k, 3)."""
+        self._system.factor_intact(intact)
         self._matrix = self._solver.matrices
         self.count += 1
-        self.intact, self._exact = self._system.law.intact(history), False
+        self.intact, self._exact = intact, False
+
+    @property
+    def memory(self) -> SecantMemory | None:
+        """What it was prepared for; None where it has to be prepared anew."""
+        if not self.ready:
+            return None
+        return SecantMemory(self.intact, self.unit, self.unit_forces, self._exact, self._solver.took_over)
+
+    def restore(self, memory: SecantMemory) -> None:
+        """Prepare as it was when this was its memory."""
+        self._factor_for(memory.intact)
+        if memory.direct:
+            self._solver.take_over("as it did before")
+        self.unit, self.unit_forces, self._exact = memory.unit, memory.unit_forces, memory.exact
 
     def apply(self, right: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Approximate displacements for given forces, and the forces that these need exactly; (6 n,) -> (6 n,) each."""

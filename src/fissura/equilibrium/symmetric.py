@@ -121,11 +121,28 @@ class SymmetricSolver:
         self._entries, self._current = entries, self._chosen
         self.matrices += 1
 
+    @property
+    def took_over(self) -> bool:
+        """Whether the direct solver has taken over from another one for the current matrix."""
+        return self._current is not self._chosen
+
     def _take_over(self, error: SingularMatrixError) -> None:
         """Let the direct solver take over for the current matrix."""
         if self._current is self._direct:
             raise error
-        _log.debug("direct solver takes over: %s", error)
+        self.take_over(str(error))
+
+    def take_over(self, why: str) -> None:
+        """Let the direct solver take over for the current matrix, unless it has.
+
+        Raises
+        ------
+        SingularMatrixError
+            The matrix is not positive definite.
+        """
+        if self._current is self._direct:
+            return
+        _log.debug("direct solver takes over: %s", why)
         if self._direct is None:
             self._direct = LINEAR_SOLVERS["direct"](self._form, self._x, _TOLERANCE, self._team)
         self._current = self._direct

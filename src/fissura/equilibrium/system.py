@@ -294,6 +294,23 @@ class System:
         put_rows(damaged, self.active, traction)
         return Response(u, strain, traction, new, self.internal(traction, u))
 
+    def reached(self, u: FloatArray, damaged: FloatArray, history: FloatArray) -> Response:
+        """An accepted response of before, from what does not follow from anything else.
+
+        Parameters
+        ----------
+        u : (6 n,) array
+            Displacements and rotations.
+        damaged : (k, 3) array
+            Tractions of the contacts with damage [Pa].
+        history : (k, h) array
+            Their history.
+        """
+        strain = contact_strains(self.geometry, u.reshape(-1, 6))
+        traction = strain * self.moduli
+        put_rows(damaged, self.active, traction)
+        return Response(u, strain, traction, history, self.internal(traction, u))
+
     def internal(self, traction: FloatArray, u: FloatArray) -> FloatArray:
         """Internal forces of given tractions [Pa], with the reactions of supports; shape (6 n,)."""
         forces: FloatArray = nodal_forces(self.geometry, traction)
@@ -308,8 +325,11 @@ class System:
 
     def secant_moduli(self, history: FloatArray) -> FloatArray:
         """Secant stiffness of the three strain components of every contact [Pa], shape (m, 3)."""
+        return self._left(self.law.intact(history))
+
+    def _left(self, intact: FloatArray) -> FloatArray:
         moduli = self.moduli.copy()
-        moduli[self.active] *= self.law.intact(history)
+        moduli[self.active] *= intact
         return moduli
 
     def secant_stiffness(self, history: FloatArray) -> FloatArray:
@@ -336,7 +356,11 @@ class System:
         SingularMatrixError
             The structure is a mechanism.
         """
-        self.symmetric.factor_contacts(self.geometry, self.secant_moduli(history))
+        self.factor_intact(self.law.intact(history))
+
+    def factor_intact(self, intact: FloatArray) -> None:
+        """The same for shares of their elastic moduli that contacts with damage have left, (k, 3)."""
+        self.symmetric.factor_contacts(self.geometry, self._left(intact))
 
     def changed(self, tangent: FloatArray, intact: FloatArray) -> tuple[IntArray, FloatArray]:
         """Contacts whose tangent stiffness differs from a secant stiffness.

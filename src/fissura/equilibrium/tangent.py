@@ -14,6 +14,7 @@ from fissura.contact import add_stiffness
 from fissura.equilibrium.constraint import Constraint
 from fissura.equilibrium.krylov import dot, gmres, norm
 from fissura.equilibrium.linear import SingularMatrixError
+from fissura.equilibrium.memory import SolverMemory
 from fissura.equilibrium.system import Response, System
 
 __all__ = ["TangentSolver"]
@@ -47,6 +48,27 @@ class TangentSolver:
         self._fresh: int | None = None
         self._excess = 0
         self._usual = 0  # iterations that the last preparation needed when it was fresh
+
+    @property
+    def memory(self) -> SolverMemory:
+        """What decides the last bits of the next solutions."""
+        secant = self.system.prepared
+        known = self._preparation == secant.count
+        fresh, excess = (self._fresh, self._excess) if known else (None, 0)
+        return SolverMemory(secant.memory, fresh, excess, self._usual)
+
+    def restore(self, memory: SolverMemory) -> None:
+        """Go on as when this was its memory.
+
+        Raises
+        ------
+        SingularMatrixError
+            The structure is a mechanism.
+        """
+        if memory.secant is not None:
+            self.system.prepared.restore(memory.secant)
+        self._preparation = self.system.prepared.count
+        self._fresh, self._excess, self._usual = memory.fresh, memory.excess, memory.usual
 
     def _renew(self, response: Response, load: float) -> None:
         """Prepare the secant stiffness where that has become worth its cost."""
