@@ -50,7 +50,7 @@ def system_of(case: Case, *, full: bool, load: Functional | None = None) -> Syst
     domain = domain_from_case(case)
     nuclei, conditions = nuclei_from_case(case, domain), conditions_from_case(case, domain)
     if load is not None:
-        conditions = Conditions(conditions.supports, load, load)
+        conditions = Conditions.single(conditions.supports, load)
     spacing = region_from_case(case, domain, full=full).spacing(nuclei.x)
     return System(discretize(nuclei, domain, spacing), material_from_case(case), CusatisCedolin, conditions)
 

@@ -112,13 +112,14 @@ def _loaded(side: float, seed: int) -> Iterator[tuple[str, System]]:
         control={"type": "displacement", "target": 1e-4},
     )
     given = conditions_from_case(case, domain_from_case(case))
-    arm = given.load.points - given.load.points.mean(axis=0)
+    (only,) = given.loads
+    arm = only.points - only.points.mean(axis=0)
     for way in WAYS:
-        load = given.load
+        load = only
         if way != "tension":
             lever = np.cross(np.eye(3)[2 if way == "bending" else 0], arm)
             load = Functional(load.points, lever / np.sum(lever**2), load.cells)
-        yield way, _system(case, Conditions(given.supports, load, load))
+        yield way, _system(case, Conditions.single(given.supports, load))
 
 
 def _strain(way: str, x: FloatArray, u: FloatArray, side: float) -> float:

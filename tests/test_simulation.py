@@ -68,7 +68,7 @@ def test_every_step_is_in_equilibrium(kind, full):
     for step in steps:
         assert step.residual <= case.control.tolerance
         tessellation = step.snapshot.tessellation
-        load = attach(conditions.load, tessellation)
+        load = attach(conditions.loads[0], tessellation)
         held = np.any([attach(s, tessellation).any(axis=1) for s in conditions.supports], axis=0)
         forces = nodal_forces(kinematics(tessellation), step.snapshot.traction)
         contacts = tessellation.contacts  # with the trace of rotational stiffness that they have

@@ -36,7 +36,9 @@ def bits(step):
     shot = values.pop("snapshot")
     values |= {f.name: getattr(shot, f.name) for f in dataclasses.fields(shot) if f.name != "tessellation"}
     values |= {"x": shot.tessellation.x, "area": shot.tessellation.contacts.area}
-    return {name: value if isinstance(value, str) else np.asarray(value).tobytes() for name, value in values.items()}
+    return {
+        name: value if isinstance(value, str | dict) else np.asarray(value).tobytes() for name, value in values.items()
+    }
 
 
 @cache

@@ -13,8 +13,8 @@ from fissura.step import Snapshot, Step
 
 if TYPE_CHECKING:
     from fissura.adaptivity import ElasticState
-    from fissura.case import Quantity
     from fissura.equilibrium import Equilibrium, Goal, System
+    from fissura.model import Model
 
 __all__ = ["Found", "accepted"]
 
@@ -40,31 +40,36 @@ class Found:
     criterion: FloatArray
 
 
-def accepted(system: System, state: State, goal: Goal, found: Found, quantity: Quantity) -> tuple[State, Step]:
+def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[State, Step]:
     """State and step after an accepted one.
 
     Parameters
     ----------
-    system : System
-        Equations.
+    model : Model
+        Equations, and what a run is told by.
     state : State
         Where the step began.
     goal : Goal
         What it was to reach.
     found : Found
         Where it ends.
-    quantity : {"gauge", "displacement"}
-        What is controlled.
     """
+    system = model.system
+    assert state.leg is not None
     old, new, totals, effort = state.now, found.equilibrium, state.totals, state.effort
-    by_gauge = quantity == "gauge"
-    displacement = float(system.load @ new.response.u) if by_gauge else new.value
-    gauge = new.value if by_gauge or system.gauge is None else float(system.gauge @ new.response.u)
+    forces = system.forces(new.load)
+    displacements = np.asarray(system.acting.load_rows @ new.response.u)
+    gauges = np.asarray(system.acting.gauge_rows @ new.response.u)
+    drive = system.drive
+    if drive.quantity == "gauge" and drive.gauge is not None:
+        gauges[drive.gauge] = new.value  # without round-off
     spent = system.dissipated(old.response, new.response)
-    work = totals.work + 0.5 * (old.load + new.load) * (displacement - totals.displacement)
+    more = 0.5 * (totals.forces + forces) @ (displacements - totals.displacements)
+    work = totals.work + float(more)
     totals = replace(
         totals,
-        displacement=displacement,
+        forces=forces,
+        displacements=displacements,
         dissipated=totals.dissipated + float(spent.sum()),
         dissipated_at=totals.dissipated_at + system.carried.sums(spent),
         work=work - float(system.kinks(old.response, new.response).sum()),
@@ -82,10 +87,14 @@ def accepted(system: System, state: State, goal: Goal, found: Found, quantity: Q
         aim=None,
     )
     reactions = system.reactions(new.response, new.load)
+    conditions = system.conditions
+    main = conditions.main
+    by_displacement = drive.quantity == "displacement" and np.array_equal(drive.ratios, main.ratios)
+    displacement = new.value if by_displacement else float(main.ratios @ displacements)
     step = Step(
         number=after.number,
-        gauge=gauge,
-        load=new.load,
+        gauge=displacement if main.gauge is None else float(gauges[main.gauge]),
+        load=float(main.ratios @ forces / (main.ratios @ main.ratios)),
         load_displacement=displacement,
         bodies=len(system.tessellation),
         fine_bodies=int(system.tessellation.fine.sum()),
@@ -102,13 +111,18 @@ def accepted(system: System, state: State, goal: Goal, found: Found, quantity: Q
         residual=new.norms.force,
         snapshot=_snapshot(system, found),
         control=goal.control,
-        quantity=quantity,
+        quantity=model.case.quantity,
         reactions=reactions.each,
         rest=reactions.rest,
         dissipated_at=np.asarray(totals.dissipated_at),
         load_change=effort.load_change,
         spent=spent,
         utilisation=found.elastic.utilisation,
+        stage=model.legs[state.leg.index].number,
+        done=model.done(after),
+        forces=dict(zip(conditions.load_names, forces.tolist(), strict=True)),
+        displacements=dict(zip(conditions.load_names, displacements.tolist(), strict=True)),
+        gauges=dict(zip(conditions.gauge_names, gauges.tolist(), strict=True)),
     )
     return after, step
 

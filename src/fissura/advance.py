@@ -15,6 +15,7 @@ from fissura.adaptivity import transfer_history
 from fissura.equilibrium import Equilibrium, SingularMatrixError, System, settle
 from fissura.errors import InputError, Notice, RunStopped
 from fissura.guess import guessed
+from fissura.legs import entered
 from fissura.state import State
 from fissura.stopping import FAILURES, reason, stopping
 
@@ -55,7 +56,13 @@ def advance(model: Model, state: State) -> tuple[State, Step]:
         No equilibrium was found even with the smallest step, or a calculation failed.
     """
     with stopping(state.position):
-        model.begin(state)
+        if state.leg is None or model.follower(state, memory=state.leading).ended(state.now.value):
+            way = model.ahead(state)
+            assert way is not None
+            model.begin(state)
+            state = entered(model, state, way)
+        else:
+            model.begin(state)
         if state.number:
             state = _coarsened(model, state)
         state, step = _stepped(model, state)
@@ -65,25 +72,32 @@ def advance(model: Model, state: State) -> tuple[State, Step]:
 
 def _stepped(model: Model, state: State) -> tuple[State, Step]:
     """Try one goal after another until one is reached."""
-    follower = model.follower(state.start.limit, state.leading)
-    value, dissipated = state.now.value, state.totals.dissipated
+    follower = model.follower(state, memory=state.leading)
+    begun, dissipated = state.now, state.totals.dissipated
     while True:
         goal = follower.goal(state.now.value)
         state, found = _attempted(model, state, follower, goal)
         if found is not None:
             break
-        if not follower.failed(unloaded=state.now.load == 0.0):
-            raise RunStopped(
-                f"no equilibrium within {model.solver.max_iterations} iterations, even with a step of"
-                f" {follower.length:.3g} m (the smallest one is {follower.smallest:.3g} m, see control.min_step)",
-                state.number + 1,
-                goal.size,
-            )
-    state, step = accepted(model.system, state, goal, found, model.case.quantity)
+        if not follower.failed(state.now.load):
+            raise RunStopped(_lost(model, state, follower), state.number + 1, goal.size)
+    state, step = accepted(model, state, goal, found)
     last = found.equilibrium.iterations
-    follower.succeeded(goal, last, step.controlled - value, state.totals.dissipated - dissipated, step.controlled)
+    follower.succeeded(goal, begun, found.equilibrium, state.totals.dissipated - dissipated)
     jumps = state.jumps.accepted(step.number, step.gauge, step.load, last)
     return replace(state, leading=follower.memory, jumps=jumps, solver=model.solver.memory(model.system)), step
+
+
+def _lost(model: Model, state: State, follower: PathFollower) -> str:
+    """Why no step was found."""
+    tried = f"no equilibrium within {model.solver.max_iterations} iterations, even with a step of"
+    key = f"{model.stage(state).key}.min_step"
+    if model.system.by_force:
+        return (
+            f"the specimen bears no more than about {state.now.load:.4g} N: {tried} {follower.length:.3g} N (the"
+            f" smallest one is {follower.smallest:.3g} N, see {key}); only a displacement can lead beyond the peak"
+        )
+    return f"{tried} {follower.length:.3g} m (the smallest one is {follower.smallest:.3g} m, see {key})"
 
 
 def _attempted(model: Model, state: State, follower: PathFollower, goal: Goal) -> tuple[State, Found | None]:
@@ -112,7 +126,7 @@ def _attempted(model: Model, state: State, follower: PathFollower, goal: Goal) -
             return replace(state, jumps=state.jumps.failed()), None
         if follower.is_leap(goal, state.now, found, peak):
             return state, None
-        if follower.is_jump(goal, abs(state.now.load) - abs(found.load), peak):
+        if follower.is_jump(goal, state.now, found, peak):
             return state, None
         elastic, criterion = model.structure.assess(found.response, found.load)
         if not (np.nan_to_num(criterion) > sensitivity.gamma).any():
@@ -185,14 +199,15 @@ def _moved(state: State, old: System, system: System) -> State:
     """
     before, totals = state.now, state.totals
     history = transfer_history(old.pairs(), before.response.history, system.pairs(), system.virgin())
-    if before.value == 0.0:
+    if before.load == 0.0 and system.dead is None:
         rest = Equilibrium(system.response(np.zeros(system.size), history), 0.0, 0.0)
         return replace(state, before=None, now=rest)
     now = settle(system, history, before.value)
     totals = replace(
         totals,
         exchanged=totals.exchanged + (system.stored(now.response) - old.stored(before.response)),
-        displacement=float(system.load @ now.response.u),
+        forces=system.forces(now.load),
+        displacements=np.asarray(system.acting.load_rows @ now.response.u),
     )
     state = _worked(state, load_change=abs(now.load - before.load))
     return replace(state, before=None, now=now, totals=totals)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from fissura.bulk import bulk_law
-from fissura.case import Case
+from fissura.case import Case, LoadingStage
 from fissura.errors import InputError, Notice
 from fissura.memory import estimate_memory, gigabytes, physical_memory, require_memory
 
@@ -43,14 +43,8 @@ class CheckReport:
     longest_contact : float
         Longest fine contact [m] there can be: that of the first discretization, or twice ``l_f``, four times it beside
         a notch.
-    control : str
-        Controlled quantity; where energy leads, the one that ends the run.
-    target, max_step : float
-        Its end and its largest step [m].
-    stop_load : float
-        Share of the peak load at which the run ends, too; 0 if the load does not end it.
-    max_energy : float
-        Largest energy of a step [J] that is led by dissipated energy; 0 if energy does not lead.
+    stages : tuple of pairs of str
+        What is controlled in every stage, and how far and in what steps, in words.
     warnings : tuple of Notice
         What looks wrong, and what to do about it.
     contact : tuple of float
@@ -74,11 +68,7 @@ class CheckReport:
     memory_machine: float
     limits: Mapping[str, float]
     longest_contact: float
-    control: str
-    target: float
-    max_step: float
-    stop_load: float = 0.0
-    max_energy: float = 0.0
+    stages: tuple[tuple[str, str], ...]
     warnings: tuple[Notice, ...] = field(default=())
     contact: tuple[float, float] = (math.nan, math.nan)
     macro: tuple[float, float] | None = None
@@ -86,32 +76,19 @@ class CheckReport:
     field_rows: tuple[tuple[str, str], ...] = field(default=())
 
     @property
-    def fewest_steps(self) -> int:
-        """Steps of a run in which every step is as large as allowed."""
-        return math.ceil(self.target / self.max_step * (1 - 1e-9))
-
-    @property
-    def _end(self) -> str:
-        target = f"{self.target * 1e3:.4g} mm"
-        load = f" or {100 * self.stop_load:.3g} % of the peak load is left" if self.stop_load else ""
-        if self.max_energy:
-            return f"dissipated energy, until the {self.control} is {target}{load}"
-        return f"{self.control}, to {target}{load and ' or until' + load.removeprefix(' or')}"
-
-    @property
-    def _steps(self) -> str:
-        largest = f"each at most {self.max_step * 1e6:.4g} µm"
-        if self.max_energy:
-            from fissura.results.quantities import energy  # its package brings NumPy
-
-            return f"{largest}, with energy in the lead {energy(self.max_energy)}"
-        return f"{self.fewest_steps} or more, {largest}"
-
-    @property
     def _nuclei(self) -> list[tuple[str, str]]:
         if not self.nuclei_given:
             return []
         return [("nuclei from the file", f"{self.nuclei_given}, and {self.bodies_full - self.nuclei_given} added")]
+
+    @property
+    def _stages(self) -> list[tuple[str, str]]:
+        several = len(self.stages) > 1
+        return [
+            (f"{name}, stage {k}" if several else name, text)
+            for k, stage in enumerate(self.stages, 1)
+            for name, text in zip(("control", "steps"), stage, strict=True)
+        ]
 
     def table(self) -> list[tuple[str, str]]:
         """Rows of name and value."""
@@ -132,8 +109,7 @@ class CheckReport:
             ("longest fine contact", f"{self.longest_contact * 1e3:.4g} mm"),
             *((f"limit {name}", f"{limit * 1e3:.4g} mm") for name, limit in self.limits.items()),
             *self.field_rows,
-            ("control", self._end),
-            ("steps", self._steps),
+            *self._stages,
         ]
 
 
@@ -190,6 +166,7 @@ def report(case: Case) -> CheckReport:
                 "run adaptively, without --full",
             )
         )
+    energy = case.material.G_t * simulation.domain.smallest_section
     return CheckReport(
         name=case.name,
         law=case.material.law,
@@ -204,11 +181,7 @@ def report(case: Case) -> CheckReport:
         memory_machine=machine,
         limits=limits,
         longest_contact=longest,
-        control="gauge" if case.quantity == "gauge" else "displacement of the load",
-        target=case.control.target,
-        max_step=case.control.max_step,
-        stop_load=case.control.stop_load,
-        max_energy=_largest_energy(case),
+        stages=tuple(_stage(stage, energy) for stage in case.stages),
         warnings=tuple(warnings),
         contact=(case.material.E, case.material.alpha),
         macro=_macro(case),
@@ -241,11 +214,31 @@ def _macro(case: Case) -> tuple[float, float] | None:
         return None
 
 
-def _largest_energy(case: Case) -> float:
-    """Largest energy of a step [J] where the case lets dissipated energy lead, else 0."""
-    if case.control.type != "dissipation":
-        return 0.0
-    from fissura.specimen import domain_from_case
+def _stage(stage: LoadingStage, energy: float) -> tuple[str, str]:
+    """Where a stage ends, and its steps, in words; with the energy that breaks the specimen, roughly [J]."""
+    from fissura.results.quantities import energy as joules  # its package brings NumPy
+    from fissura.results.quantities import force
 
-    section = domain_from_case(case).smallest_section
-    return case.material.G_t * section * case.control.max_step / case.control.target
+    quantity = {"gauge": "gauge", "displacement": "displacement of the load", "force": "load"}[stage.quantity]
+    if stage.gauge not in (None, "gauge") and stage.quantity == "gauge":
+        quantity = f"gauge {stage.gauge}"
+    if (loads := [name for name, _ in stage.ratios]) != ["load"] and stage.quantity != "gauge":
+        quantity = f"{quantity} ({', '.join(loads)})"
+    size = force if stage.quantity == "force" else lambda value: f"{value * 1e3:.4g} mm"
+    values = [f"{100 * t.value:g} % of the {t.of}" if t.of else size(t.value) for t in stage.targets]
+    told = ", ".join(values if len(values) <= _TOLD else [*values[: _TOLD - 2], "...", values[-1]])
+    load = f" or {100 * stage.stop_load:.3g} % of the peak load is left" if stage.stop_load else ""
+    step = force(stage.max_step) if stage.quantity == "force" else f"{stage.max_step * 1e6:.4g} µm"
+    largest = f"each at most {step}"
+    if stage.energy:
+        most = joules(energy * stage.max_step / max(abs(stage.target), 1e-300))
+        return (
+            f"dissipated energy, until the {quantity} is {told}{load}",
+            f"{largest}, with energy in the lead {most}",
+        )
+    fewest = math.ceil(stage.span / stage.max_step * (1 - 1e-9)) if len(stage.targets) == 1 else len(stage.targets)
+    return f"{quantity}, to {told}{load and ' or until' + load.removeprefix(' or')}", f"{fewest} or more, {largest}"
+
+
+#: Targets of a stage that are told one by one, at most.
+_TOLD = 6

@@ -20,18 +20,22 @@ FloatArray = NDArray[np.float64]
 #: for contacts to go on being damaged, and the largest one that a guess may put on the load.
 _FARTHEST, _PAST, _PAST_AIM = 4.0, 1.001, 1.2
 
+#: Share of the value to be reached below which a state is too near to rest to be scaled to it.
+_NOTHING = 1e-6
+
 
 def guessed(system: System, state: State, goal: Goal) -> tuple[FloatArray, float]:
     """Displacements (6 n,) and load [N] with which the iteration begins: extrapolated from the last two states."""
     now, before = state.now, state.before
     growth = 0.0 if before is None else now.value - before.value
-    if before is not None and (goal.in_energy or growth > 0.0):
+    forward = state.leg is not None and (state.leg.end - state.leg.begin) * growth > 0.0
+    if before is not None and (goal.in_energy or forward):
         ratio = goal.size / max(state.spent, 1e-300) if goal.in_energy else (goal.size - now.value) / growth
         ratio = min(ratio, _FARTHEST if goal.in_energy == state.in_energy else 1.0)
         return now.response.u + ratio * (now.response.u - before.u), now.load + ratio * (now.load - before.load)
     if goal.in_energy:
         return _aimed(system, state, goal.size)
-    if now.value == 0.0:
+    if system.dead is not None or abs(now.value) <= _NOTHING * abs(goal.size):
         unit = settle(system, now.response.history, goal.size)
         return unit.response.u, unit.load
     ratio = goal.size / now.value
@@ -41,6 +45,9 @@ def guessed(system: System, state: State, goal: Goal) -> tuple[FloatArray, float
 def _aimed(system: System, state: State, energy: float) -> tuple[FloatArray, float]:
     """The state with the damage found before refinement, under the load with which it has dissipated an energy."""
     now = state.now
+    if system.dead is not None:
+        more = (_PAST - 1.0) * now.load
+        return now.response.u + more * system.prepared.solve(now.response.history), now.load + more
     end = None if state.aim is None else _settled(system, state.aim, now.value)
     if end is not None and end.load != 0.0:
         unit = end.response.u / end.load

@@ -6,9 +6,10 @@ import numpy as np
 
 from fissura.equilibrium import Equilibrium, SingularMatrixError, UnmovedGaugeError, settle
 from fissura.errors import InputError
+from fissura.legs import check_drives
 from fissura.model import Model
 from fissura.specimen import backward_gauge
-from fissura.state import Start, State
+from fissura.state import Start, State, Totals
 
 __all__ = ["started"]
 
@@ -46,7 +47,9 @@ def started(model: Model, bodies: tuple[int, int]) -> State:
             "supports", f"the structure is a mechanism ({error})", "supports that hold all of the specimen"
         ) from error
     stiffness = unit.load
-    if stiffness < 0.0 and not (structure.compliance or 0.0) > 0.0:
+    if len(model.legs) > 1:
+        check_drives(model)
+    if stiffness < 0.0 and not (structure.compliance or 0.0) > 0.0 and case.control is not None:
         raise backward_gauge(system.conditions, stiffness)
     if structure.compliance is not None:
         off = stiffness * structure.compliance - 1.0
@@ -63,12 +66,8 @@ def started(model: Model, bodies: tuple[int, int]) -> State:
     rest = system.response(np.zeros(system.size), system.virgin())
     used = system.largest_utilisation(unit.response)
     start = Start(stiffness, 1.0 / used if used > 0.0 else np.inf, structure.compliance)
-    state = State(
-        structure.layout,
-        Equilibrium(rest, 0.0, 0.0),
-        start,
-        model.follower(start.limit).memory,
-        solver=model.solver.memory(system),
-    )
+    nothing = np.zeros(len(system.conditions.load_names))
+    rested, totals = Equilibrium(rest, 0.0, 0.0), Totals(nothing, nothing)
+    state = State(structure.layout, rested, start, totals, solver=model.solver.memory(system))
     model.end(state)
     return state

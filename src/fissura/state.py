@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.adaptivity import Layout
-from fissura.equilibrium import Equilibrium, Leading, SolverMemory
+from fissura.equilibrium import Equilibrium, Leading, Leg, SolverMemory
 from fissura.errors import Notice
 from fissura.jumps import Jumps
 
@@ -60,23 +60,24 @@ class Totals:
 
     Attributes
     ----------
-    displacement : float
-        Of the load, now [m].
+    forces, displacements : (L,) array
+        Of all loads now [N, m].
     dissipated : float
         Energy [J].
-    dissipated_at : (1 + s + 1,) array or float
-        The same at the load, at every support, and at all of them [J]; 0 before the first step.
+    dissipated_at : (L + s + 1,) array or float
+        The same at every load but the weight, at every support, and at all of them [J]; 0 before the first step.
     work : float
-        Of the load [J].
+        Of all loads [J].
     exchanged : float
         Energy that changes of the discretization put in [J].
     peak : float
-        Largest size of the load [N].
+        Largest size of the load factor since its loads are the ones that are driven [N].
     cpu_repeated, cpu_refining : float
         Processor time of solutions that were given up for a refinement, and of refinements [s].
     """
 
-    displacement: float = 0.0
+    forces: FloatArray
+    displacements: FloatArray
     dissipated: float = 0.0
     dissipated_at: FloatArray | float = 0.0
     work: float = 0.0
@@ -110,12 +111,16 @@ class State:
         The last accepted state on it.
     start : Start
         What was found before the first step.
-    leading : Leading
-        What is remembered to choose the next step.
+    totals : Totals
+        Sums over accepted steps.
+    leg : Leg or None
+        The way that it is on; None before the first one.
+    main : bool
+        What is driven is the load of the last stage, without others.
+    leading : Leading or None
+        What is remembered to choose the next step; None before the first leg.
     number : int
         Accepted steps.
-    totals : Totals
-        Sums over them.
     before : Before or None
         The accepted state before; None where there is none on this discretization.
     spent : float
@@ -137,9 +142,11 @@ class State:
     layout: Layout
     now: Equilibrium
     start: Start
-    leading: Leading
+    totals: Totals
+    leg: Leg | None = None
+    main: bool = True
+    leading: Leading | None = None
     number: int = 0
-    totals: Totals = field(default_factory=Totals)
     before: Before | None = None
     spent: float = 0.0
     in_energy: bool = False
@@ -150,5 +157,5 @@ class State:
     aim: FloatArray | None = None
 
     def position(self) -> tuple[int, float]:
-        """Number of the next step, and the value of the controlled quantity where it begins [m]."""
+        """Number of the next step, and the value of the controlled quantity where it begins [m or N]."""
         return self.number + 1, self.now.value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -66,11 +67,11 @@ class Step:
     number : int
         1, 2, ...
     gauge : float
-        The gauge, or where there is none the displacement of the load [m].
+        The gauge of the last stage, or where it has none the displacement of its load [m].
     load : float
-        Load [N].
+        Load of the last stage [N]: its load factor, also before it is the one that is driven.
     load_displacement : float
-        Mean displacement of the load's place, along the load [m].
+        Mean displacement of the places of its loads, along them, times their ratios [m].
     bodies, fine_bodies : int
         Bodies, and those of them in the refined region.
     refinements, coarsenings : int
@@ -89,7 +90,7 @@ class Step:
     snapshot : Snapshot
         The state.
     control : str
-        What led in this step: "gauge", "displacement" or "dissipation".
+        What led in this step: "gauge", "displacement", "force" or "dissipation".
     load_change : float
         Sizes of all changes of the load that refinement made at a kept gauge since the step before [N].
     spent : (m,) array
@@ -100,11 +101,20 @@ class Step:
         Force [N] and moment about the middle of its place [N m] of every support, on the specimen.
     rest : (6,) array
         Force [N], and moment about the middle of the load's place [N m], that load and reactions leave out of balance.
-    dissipated_at : (1 + s + 1,) array
-        Energy dissipated so far by contacts of the bodies on which the load acts, every support, and any of them [J].
+    dissipated_at : (L + s + 1,) array
+        Energy dissipated so far by contacts of the bodies on which every load but the weight acts, every support, and
+        any of them [J].
     utilisation : (m,) array
         Effective traction over strength of the snapshot's coarse contacts, as the criterion saw it; 0 for fine contacts
         and in elastic regions.
+    stage : int
+        Number of the stage, 1, 2, ...
+    done : float
+        Share of the loading programme that is done.
+    forces, displacements : mapping of str to float
+        Force [N], and mean displacement of its place along it [m], of every load by its name.
+    gauges : mapping of str to float
+        Every gauge by its name [m].
     """
 
     number: int
@@ -133,6 +143,11 @@ class Step:
     reactions: FloatArray = field(default_factory=lambda: np.zeros((0, 6)))
     rest: FloatArray = field(default_factory=lambda: np.zeros(6))
     dissipated_at: FloatArray = field(default_factory=lambda: np.zeros(2))
+    stage: int = 1
+    done: float = 0.0
+    forces: Mapping[str, float] = field(default_factory=lambda: {"load": 0.0})
+    displacements: Mapping[str, float] = field(default_factory=lambda: {"load": 0.0})
+    gauges: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def controlled(self) -> float:

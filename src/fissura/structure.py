@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from fissura.material import (
     materials_from_case,
 )
 from fissura.specimen import (
+    Conditions,
     conditions_from_case,
     domain_from_case,
     edge_notices,
@@ -43,10 +44,18 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from fissura.case import Case
+    from fissura.specimen import Drive
 
-__all__ = ["Structure"]
+__all__ = ["Driven", "Structure"]
 
 FloatArray = NDArray[np.float64]
+
+
+class Driven(NamedTuple):
+    """What is driven, and forces of loads that act besides, (L,) [N]; see :meth:`System.driven`."""
+
+    drive: Drive
+    kept: FloatArray
 
 
 def _count(bodies: int) -> str:
@@ -80,6 +89,8 @@ class Structure:
         What decides the current discretization.
     system : System
         Its equations.
+    driven : Driven or None
+        What the current equations drive; None for the load of the last stage alone.
     compliance : float or None
         Controlled quantity per unit load of the undamaged structure at full resolution [m/N]; known when calibration
         has needed it.
@@ -119,6 +130,7 @@ class Structure:
             )
         if not full:
             check_places(self._conditions, start, case.discretization.l_f, start=True)
+        self.driven: Driven | None = None
         self.system = self._equations(start)
 
     def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
@@ -149,6 +161,11 @@ class Structure:
             self.compliance = gauge_compliance(self._equations(self._whole()))
         return calibrated(system, self.compliance, self.system.elastic_scale)
 
+    @property
+    def conditions(self) -> Conditions:
+        """Supports, loads and gauges."""
+        return self._conditions
+
     def calibrate(self) -> System:
         """Calibrate the equations of the start, and return them.
 
@@ -160,13 +177,32 @@ class Structure:
         self._change(self.layout, self._calibrated(self.system))
         return self.system
 
-    def at(self, layout: Layout) -> System:
-        """The equations of a layout of this specimen; made again unless it is the current one."""
-        if layout is not self.layout:
+    def at(self, layout: Layout, driven: Driven | None) -> System:
+        """The equations of a layout of this specimen under what is driven; made again unless they are the current ones.
+
+        Parameters
+        ----------
+        layout : Layout
+            What is fine.
+        driven : Driven or None
+            What is driven; None for the load of the last stage alone.
+        """
+        if layout is not self.layout or driven is not self.driven:
             system = self._equations(self._discretized(layout.region, self.system.tessellation))
             scale = layout.elastic_scale
-            self.layout, self.system = layout, system if scale == 1.0 else system.scaled(scale)
+            self.layout, self.driven = layout, driven
+            self.system = self._under(system if scale == 1.0 else system.scaled(scale))
         return self.system
+
+    def drive(self, driven: Driven) -> System:
+        """Let other loads be driven, and return the equations."""
+        self.driven = driven
+        self.system = self._under(self.system)
+        return self.system
+
+    def _under(self, system: System) -> System:
+        """Equations with what is driven now."""
+        return system if self.driven is None else system.driven(*self.driven)
 
     def assess(self, response: Response, load: float) -> tuple[ElasticState, FloatArray]:
         """How near to failure elastic bodies are.
@@ -257,4 +293,4 @@ class Structure:
 
     def _changed(self, region: RefinedRegion) -> System:
         """Equations for another region."""
-        return self._calibrated(self._equations(self._discretized(region, self.system.tessellation)))
+        return self._under(self._calibrated(self._equations(self._discretized(region, self.system.tessellation))))

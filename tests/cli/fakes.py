@@ -15,6 +15,7 @@ import fissura.results.recorder
 from changes import TINY_BEAM
 from fissura.case import Case
 from fissura.cli import app
+from fissura.specimen import domain_from_case
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "beam_d100.toml"
 
@@ -47,6 +48,7 @@ class FakeSimulation:
         self.notices = ()
         self.bodies_start, self.bodies_full, self.nuclei_given = 100, 300, 0
         self.field = None
+        self.domain = domain_from_case(case)
         lengths = np.array([0.004, 0.009, 0.012])
         self.tessellation = SimpleNamespace(contacts=FakeContacts(lengths, lengths < 0.01))
         type(self).built.append(self)
@@ -61,6 +63,7 @@ class FakeSimulation:
                 refinements=int(number % 5 == 0),
                 iterations=4,
                 control="gauge",
+                done=number / 20,
             )
             if self.ending is not None and number == self.after:
                 raise self.ending

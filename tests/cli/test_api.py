@@ -77,7 +77,14 @@ def test_progress_where_energy_leads(tiny: Path, capsys: pytest.CaptureFixture[s
         leads = "gauge" if number == 1 else "dissipation"
         progress.step(
             SimpleNamespace(
-                number=number, controlled=gauge, load=load, bodies=9, refinements=1, iterations=2, control=leads
+                number=number,
+                controlled=gauge,
+                load=load,
+                bodies=9,
+                refinements=1,
+                iterations=2,
+                control=leads,
+                done=gauge / 2e-6,
             )  # type: ignore[arg-type]
         )
     lines = capsys.readouterr().err.splitlines()
@@ -98,6 +105,7 @@ def test_the_time_left_is_told_when_the_pace_says_something(tiny: Path, monkeypa
     for number, gauge in enumerate(gauges, 1):
         now[0] += 100.0 if number == 1 else 1.0
         step = {"number": number, "gauge": gauge, "controlled": gauge, "load": 1.0, "bodies": 9, "refinements": 0}
+        step["done"] = gauge / case.control.target
         progress.step(SimpleNamespace(**step, iterations=2, control="gauge"))  # type: ignore[arg-type]
         if (left := progress._left()) is not None:
             told[number] = left

@@ -100,7 +100,7 @@ def test_a_cycle_through_zero_keeps_the_balance_of_energy(columns):
     for value in values:
         last = states[-1]
         guess = (last.response.u, last.load)
-        found = solver.solve(system, last.response.history, prescribed(system.control, value), guess, 100.0, patience=5)
+        found = solver.solve(system, last.response.history, prescribed(system, value), guess, 100.0, patience=5)
         assert found is not None
         states.append(found)
         loads.append(found.load)

@@ -23,7 +23,7 @@ def states(system):
     start = settle(system, system.virgin(), 1e-5)
     history, guess, found = system.virgin(), (start.response.u, start.load), []
     for value in (1e-5, 1.2e-5, 1.4e-5):
-        state = solver.solve(system, history, prescribed(system.control, value), guess, 0.0)
+        state = solver.solve(system, history, prescribed(system, value), guess, 0.0)
         assert state is not None
         history, guess = state.response.history, (state.response.u, state.load)
         found.append(state)
@@ -31,7 +31,7 @@ def states(system):
 
 
 def test_gap_and_tolerance():
-    constraint = Constraint(np.array([1.0, 2.0]), 3.0, 10.0, 1e-2)
+    constraint = Constraint(np.array([1.0, 2.0]), 3.0, 10.0, 1e-2, 10.0)
     assert constraint.gap(np.array([1.0, 1.0]), 2.0) == pytest.approx(1.0)
     assert not constraint.met(np.array([1.0, 1.0]), 2.0)
     assert constraint.met(np.array([1.0, 1.0]), 2.33)
@@ -41,7 +41,7 @@ def test_energy_of_the_constraint_is_what_contacts_dissipate(system, states):
     """All unloading goes to the origin, so that load and displacement of both ends are enough."""
     for a, b in pairwise(states):
         spent = system.dissipated(a.response, b.response).sum()
-        constraint = dissipating(system.load, a.response, a.load, spent)
+        constraint = dissipating(system, a.response, a.load, spent)
         assert spent > 0
         assert constraint.gap(b.response.u, b.load) == pytest.approx(0.0, abs=1e-7 * spent)
         # Elastic unloading dissipates nothing.
@@ -57,7 +57,7 @@ def test_a_step_dissipates_what_is_asked_for(system, states):
             now.response.u + ratio * (now.response.u - before.response.u),
             now.load + ratio * (now.load - before.load),
         )
-        constraint = dissipating(system.load, now.response, now.load, share * spent)
+        constraint = dissipating(system, now.response, now.load, share * spent)
         found = StepSolver(1e-8, 30).solve(system, now.response.history, constraint, guess, 0.0)
         assert found is not None
         assert found.norms.force <= 1e-8

@@ -49,9 +49,7 @@ def test_bar_follows_the_contact_law_into_softening_and_back(bar):
     u, load = np.zeros(bar.size), 0.0
     area = SIDE * SIDE
     for strain in np.array([0.5, 0.9, 1.2, 2.0, 4.0, 8.0, 5.0, 1.0, 6.0, 12.0, 40.0]) * YIELD:
-        state = solver.solve(
-            bar, history, prescribed(bar.control, strain * LENGTH), (u, load), 0.1 * area * CONCRETE.f_t
-        )
+        state = solver.solve(bar, history, prescribed(bar, strain * LENGTH), (u, load), 0.1 * area * CONCRETE.f_t)
         assert state is not None
         u, load, history = state.response.u, state.load, state.response.history
         traction, own = law.response(np.array([[strain, 0.0, 0.0]]), own)
@@ -63,9 +61,7 @@ def test_bar_follows_the_contact_law_into_softening_and_back(bar):
 def test_bar_under_compression_hardens(bar):
     solver = StepSolver(1e-10, 60)
     value = -25 * YIELD * LENGTH
-    state = solver.solve(
-        bar, bar.virgin(), prescribed(bar.control, value), (np.zeros(bar.size), 0.0), CONCRETE.f_t * SIDE**2
-    )
+    state = solver.solve(bar, bar.virgin(), prescribed(bar, value), (np.zeros(bar.size), 0.0), CONCRETE.f_t * SIDE**2)
     law = CusatisCedolin.create(CONCRETE, np.array([LENGTH]))
     traction, _ = law.response(np.array([[-25 * YIELD, 0.0, 0.0]]), law.initial_history())
     assert state.load == pytest.approx(SIDE**2 * traction[0, 0], rel=1e-7)
@@ -115,7 +111,7 @@ def test_reciprocity(system):
 def test_a_step_ends_in_equilibrium_at_the_prescribed_value(system, tolerance):
     solver = StepSolver(tolerance, 60)
     start = settle(system, system.virgin(), 4e-6)
-    state = solver.solve(system, system.virgin(), prescribed(system.control, 4e-6), (start.response.u, start.load), 0.0)
+    state = solver.solve(system, system.virgin(), prescribed(system, 4e-6), (start.response.u, start.load), 0.0)
     assert state is not None
     assert state.response.history[:, 0].max() > 0.05
     assert state.value == 4e-6
@@ -131,7 +127,7 @@ def test_a_step_ends_in_equilibrium_at_the_prescribed_value(system, tolerance):
 def test_elastic_step_is_the_linear_solution(system):
     start = settle(system, system.virgin(), 1e-7)
     wrong = (np.zeros(system.size), 0.0)
-    state = StepSolver(1e-9, 10).solve(system, system.virgin(), prescribed(system.control, 1e-7), wrong, 0.0)
+    state = StepSolver(1e-9, 10).solve(system, system.virgin(), prescribed(system, 1e-7), wrong, 0.0)
     assert state.load == pytest.approx(start.load, rel=1e-9)
     np.testing.assert_allclose(state.response.u, start.response.u, atol=1e-9 * np.abs(start.response.u).max())
 
@@ -139,9 +135,9 @@ def test_elastic_step_is_the_linear_solution(system):
 def test_newton_and_secant_find_the_same_state(system, monkeypatch):
     start = settle(system, system.virgin(), 4e-6)
     guess = (start.response.u, start.load)
-    newton = StepSolver(1e-9, 300).solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0)
+    newton = StepSolver(1e-9, 300).solve(system, system.virgin(), prescribed(system, 4e-6), guess, 0.0)
     monkeypatch.setattr(StepSolver, "_newton", lambda self, trial: self._mixed(trial, 0.0))
-    secant = StepSolver(1e-9, 300).solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0)
+    secant = StepSolver(1e-9, 300).solve(system, system.virgin(), prescribed(system, 4e-6), guess, 0.0)
     assert newton.iterations < secant.iterations
     assert newton.load == pytest.approx(secant.load, rel=1e-6)
     np.testing.assert_allclose(newton.response.history[:, 0], secant.response.history[:, 0], atol=1e-5)
@@ -152,7 +148,7 @@ def test_newton_converges_quadratically(system):
     start = settle(system, system.virgin(), 4e-6)
     guess = (start.response.u, start.load)
     count = [
-        StepSolver(t, 60).solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0).iterations
+        StepSolver(t, 60).solve(system, system.virgin(), prescribed(system, 4e-6), guess, 0.0).iterations
         for t in (1e-4, 1e-9)
     ]
     assert count[1] <= count[0] + 2
@@ -161,7 +157,7 @@ def test_newton_converges_quadratically(system):
 def test_gives_up_after_the_allowed_iterations(system):
     start = settle(system, system.virgin(), 3e-5)
     guess = (start.response.u, start.load)
-    assert StepSolver(1e-12, 2).solve(system, system.virgin(), prescribed(system.control, 3e-5), guess, 0.0) is None
+    assert StepSolver(1e-12, 2).solve(system, system.virgin(), prescribed(system, 3e-5), guess, 0.0) is None
 
 
 def test_elastic_bodies_around_a_fine_zone():
@@ -170,7 +166,7 @@ def test_elastic_bodies_around_a_fine_zone():
     assert len(system.passive)
     start = settle(system, system.virgin(), 6e-6)
     state = StepSolver(1e-8, 60).solve(
-        system, system.virgin(), prescribed(system.control, 6e-6), (start.response.u, start.load), 0.0
+        system, system.virgin(), prescribed(system, 6e-6), (start.response.u, start.load), 0.0
     )
     assert state is not None
     assert len(state.response.history) == len(system.active)
@@ -204,10 +200,10 @@ def test_where_a_mixture_fails_the_next_one_has_less_of_the_tangent(system, monk
     """Down to the secant stiffness, which solves the step alone."""
     start = settle(system, system.virgin(), 4e-6)
     guess = (start.response.u, start.load)
-    constraint = prescribed(system.control, 4e-6)
+    constraint = prescribed(system, 4e-6)
     if not prescribed_gauge:  # another equation that means the same: a mixture is for prescribed gauges only
-        constraint = Constraint(system.control, 0.0, 4e-6, 1e-9)
-    expected = StepSolver(1e-8, 300).solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0)
+        constraint = Constraint(system.control, 0.0, 4e-6, 1e-9, 4e-6)
+    expected = StepSolver(1e-8, 300).solve(system, system.virgin(), prescribed(system, 4e-6), guess, 0.0)
     mixed, shares = StepSolver._mixed, []
 
     def fails(self, *args):
@@ -233,5 +229,5 @@ def test_a_step_is_given_up_when_the_secant_stiffness_fails(system, monkeypatch)
         monkeypatch.setattr(StepSolver, name, fails)
     guess = (np.zeros(system.size), 0.0)
     solver = StepSolver(1e-8, 300)
-    assert solver.solve(system, system.virgin(), prescribed(system.control, 4e-6), guess, 0.0) is None
+    assert solver.solve(system, system.virgin(), prescribed(system, 4e-6), guess, 0.0) is None
     assert solver._left > 290

@@ -1,7 +1,9 @@
 """What leads along a path, and a bar that snaps back, against the closed form."""
 
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ import pytest
 from equilibrium.models import BEAM, changed
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
-from fissura.equilibrium import PathFollower, System
+from fissura.equilibrium import Leg, PathFollower, System
 from fissura.errors import RunStopped
 from fissura.material import Material
 from fissura.simulation import Simulation
@@ -22,58 +24,68 @@ ENERGY = 1.0  # hence at most 0.02 J a step
 
 
 def follower(**changes):
-    control = case_from_dict(changed(BEAM, {"control": {"target": 1e-4, "max_step": 2e-6, **changes}}), Path()).control
-    return PathFollower(control, ENERGY, "gauge")
+    (stage,) = case_from_dict(changed(BEAM, {"control": {"target": 1e-4, "max_step": 2e-6, **changes}}), Path()).stages
+    return PathFollower(replace(Leg.simple(stage), quantity="gauge"), stage, ENERGY)
+
+
+def state(value, load=1.0, iterations=1):
+    return SimpleNamespace(value=value, load=load, iterations=iterations)
+
+
+def succeeded(path, iterations, growth, dissipated, value):
+    """A step of the goal that comes next."""
+    goal = path.goal(value - growth)
+    path.succeeded(goal, state(value - growth), state(value, iterations=iterations), dissipated)
 
 
 def damaged(**changes):
     """After a step under the gauge that dissipated 5 mJ."""
     path = follower(**changes)
-    goal = path.goal(0.0)
-    path.succeeded(goal, 1, goal.size, 5e-3, goal.size)
+    size = path.goal(0.0).size
+    succeeded(path, 1, size, 5e-3, size)
     return path
 
 
 def test_the_gauge_leads_as_long_as_it_can():
     path, value = follower(), 0.0
-    while not path.ended(value, 1.0, 1.0):
+    while not path.ended(value):
         goal = path.goal(value)
         assert (goal.control, goal.in_energy, goal.patience) == ("gauge", False, 1)
         assert value < goal.size <= 1e-4
-        path.succeeded(goal, 1, goal.size - value, 1e-3, goal.size)
+        succeeded(path, 1, goal.size - value, 1e-3, goal.size)
         value = goal.size
     assert value == 1e-4
 
 
 def test_energy_takes_over_where_the_gauge_fails_and_gives_back_when_it_grows():
     path = damaged()
-    assert path.failed()
+    assert path.failed(1.0)
     goal = path.goal(5e-7)
     assert goal.control == "dissipation"
     assert goal.size == pytest.approx(5e-3)
-    path.succeeded(goal, 3, -1e-7, goal.size, 4e-7)
+    succeeded(path, 3, -1e-7, goal.size, 4e-7)
     for growth in (1e-6, 1e-6, -1e-8, 1e-6, 1e-6):
-        path.succeeded(path.goal(0.0), 3, growth, goal.size, 1e-6)
+        succeeded(path, 3, growth, goal.size, 1e-6)
         assert path.goal(1e-6).in_energy
-    path.succeeded(path.goal(0.0), 3, 1e-6, goal.size, 1e-6)
+    succeeded(path, 3, 1e-6, goal.size, 1e-6)
     assert not path.goal(1e-6).in_energy
 
 
 def test_it_takes_longer_to_come_back_the_sooner_the_gauge_fails_again():
     path, counts = damaged(), []
     for _ in range(3):
-        assert path.failed()
+        assert path.failed(1.0)
         count = 0
         while path.goal(1e-6).in_energy:
-            path.succeeded(path.goal(1e-6), 3, 1e-6, 5e-3, 1e-6)
+            succeeded(path, 3, 1e-6, 5e-3, 1e-6)
             count += 1
         counts.append(count)
     assert counts == [3, 6, 12]
     for _ in range(20):
-        path.succeeded(path.goal(1e-6), 3, 1e-6, 5e-3, 2e-6)
-    assert path.failed()
+        succeeded(path, 3, 1e-6, 5e-3, 2e-6)
+    assert path.failed(1.0)
     for _ in range(3):
-        path.succeeded(path.goal(1e-6), 3, 1e-6, 5e-3, 1e-6)
+        succeeded(path, 3, 1e-6, 5e-3, 1e-6)
     assert not path.goal(1e-6).in_energy
 
 
@@ -81,24 +93,24 @@ def test_undamaged_steps_are_halved_before_energy_takes_over():
     path, lengths = follower(), []
     while not path.goal(0.0).in_energy:
         lengths.append(path.length)
-        assert path.failed()
+        assert path.failed(1.0)
     assert lengths == pytest.approx([5e-7, 2.5e-7, 1.25e-7, 6.25e-8])
     assert 0 < path.goal(0.0).size < 0.02 / 32
 
 
 def test_where_energy_fails_too_a_jump_is_followed_and_then_the_run_given_up():
     path = damaged(min_step=1e-7)
-    assert path.failed()
+    assert path.failed(1.0)
     sizes = []
     while path.goal(5e-7).in_energy:
         sizes.append(path.goal(5e-7).size)
-        assert path.failed()
+        assert path.failed(1.0)
     assert sizes == pytest.approx([5e-3 / 2**k for k in range(len(sizes))])
     assert sizes[-1] < 1e-4
     assert path.goal(5e-7).patience > 1
-    assert not path.is_jump(path.goal(5e-7), 1.0, 1.0)
+    assert not path.is_jump(path.goal(5e-7), state(0.0, 1.0), state(0.0, 0.0), 1.0)
     count = 0
-    while path.failed():
+    while path.failed(1.0):
         assert path.goal(5e-7).control == "gauge"
         count += 1
     assert 0 < count < 5
@@ -106,9 +118,9 @@ def test_where_energy_fails_too_a_jump_is_followed_and_then_the_run_given_up():
 
 def test_switching_can_be_forbidden():
     path = damaged(switch=False)
-    assert not path.is_jump(path.goal(5e-7), 1.0, 1.0)
+    assert not path.is_jump(path.goal(5e-7), state(0.0, 1.0), state(0.0, 0.0), 1.0)
     patient = 0
-    while path.failed():
+    while path.failed(1.0):
         assert path.goal(5e-7).control == "gauge"
         patient += path.goal(5e-7).patience > 1
     assert patient == 3
@@ -116,36 +128,77 @@ def test_switching_can_be_forbidden():
 
 def test_a_jump_under_the_gauge_is_noticed():
     path = damaged()
-    assert path.is_jump(path.goal(1e-6), 0.3, 1.0)
-    assert not path.is_jump(path.goal(1e-6), 0.1, 1.0)
-    assert not path.is_jump(path.goal(1e-6), -0.3, 1.0)
-    assert path.failed()
-    assert not path.is_jump(path.goal(1e-6), 0.3, 1.0)
+    assert path.is_jump(path.goal(1e-6), state(0.0, 1.0), state(0.0, 0.7), 1.0)
+    assert not path.is_jump(path.goal(1e-6), state(0.0, 1.0), state(0.0, 0.9), 1.0)
+    assert not path.is_jump(path.goal(1e-6), state(0.0, 1.0), state(0.0, 1.3), 1.0)
+    assert path.failed(1.0)
+    assert not path.is_jump(path.goal(1e-6), state(0.0, 1.0), state(0.0, 0.7), 1.0)
 
 
 def test_with_dissipation_control_energy_leads_from_damage_on():
     path = follower(type="dissipation")
     goal = path.goal(0.0)
     assert goal.control == "gauge"
-    path.succeeded(goal, 1, goal.size, 1e-3, goal.size)
+    succeeded(path, 1, goal.size, 1e-3, goal.size)
     assert not path.goal(goal.size).in_energy
-    path.succeeded(path.goal(goal.size), 1, 1e-6, 6e-3, 1e-6)
+    succeeded(path, 1, 1e-6, 6e-3, 1e-6)
     for _ in range(20):
         assert path.goal(1e-6).in_energy
-        path.succeeded(path.goal(1e-6), 1, 1e-5, 6e-3, 1e-6)
+        succeeded(path, 1, 1e-5, 6e-3, 1e-6)
     assert path.goal(1e-6).size == pytest.approx(0.02)
 
 
 def test_ends():
     path = follower(type="dissipation", stop_load=0.1)
-    assert path.ended(1e-4, 1.0, 1.0)
-    assert path.ended(1e-5, -0.09, 1.0)
-    assert not path.ended(1e-5, 0.11, 1.0)
-    assert not path.ended(0.0, 0.0, 0.0)
+    assert not path.broken(0.0, 0.0)
+    assert not path.broken(-0.09, 1.0)  # it has never been larger on this leg
+    succeeded(path, 1, 1e-5, 0.0, 1e-5)
+    assert path.ended(1e-4)
+    assert not path.ended(1e-5)
+    assert path.broken(-0.09, 1.0)
+    assert not path.broken(0.11, 1.0)
     path = damaged()
-    assert not path.ended(1e-5, 0.0, 1.0)
-    assert path.failed()
-    assert path.ended(1e-5, 0.009, 1.0)
+    assert not path.broken(0.0, 1.0)
+    assert path.failed(1.0)
+    assert path.broken(0.009, 1.0)
+
+
+# --- legs of a programme ---------------------------------------------------------------------------------------------
+
+
+def leg(begin, end, load=0.0, **changes):
+    (stage,) = case_from_dict(changed(BEAM, {"control": {"target": 1e-4, "max_step": 2e-6, **changes}}), Path()).stages
+    return PathFollower(replace(Leg.simple(stage), begin=begin, end=end, load=load), stage, ENERGY)
+
+
+@pytest.mark.parametrize(("begin", "end"), [(4e-5, 1e-5), (1e-5, 4e-5), (2e-5, -2e-5), (0.0, -3e-5)])
+def test_a_leg_ends_where_it_is_to_end(begin, end):
+    path, value, values = leg(begin, end), begin, []
+    while not path.ended(value):
+        value = path.goal(value).size
+        succeeded(path, 1, value - begin, 0.0, value)
+        values.append(value)
+    assert values[-1] == end
+    assert (np.diff([begin, *values]) * (end - begin) > 0).all()
+    assert np.abs(np.diff([begin, *values])).max() <= 2e-6 * (1 + 1e-9)
+
+
+def test_energy_cannot_lead_while_a_leg_unloads():
+    path = leg(4e-5, 1e-5, load=100.0)
+    lengths = []
+    while path.failed(100.0):
+        assert path.goal(4e-5).control == "gauge"
+        lengths.append(path.length)
+    assert len(lengths) > 5
+    assert not path.is_jump(path.goal(4e-5), state(4e-5, 100.0), state(3.9e-5, 60.0), 100.0)
+    assert not path.broken(0.0, 100.0)
+
+
+def test_steps_under_force_are_no_jumps_and_energy_does_not_take_over():
+    (stage,) = case_from_dict(changed(BEAM, {"control": {"target": 1e-4, "max_step": 2e-6}}), Path()).stages
+    path = PathFollower(replace(Leg.simple(stage), quantity="force"), stage, ENERGY)
+    while path.failed(1.0):
+        assert path.goal(0.0).control == "force"
 
 
 # --- a row of rigid bodies, one contact weaker -----------------------------------------------------------------------

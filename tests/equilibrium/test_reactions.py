@@ -83,7 +83,7 @@ def test_energy_at_places_adds_up_over_refinements(broken):
     simulation, steps = broken
     conditions = conditions_from_case(simulation.case, domain_from_case(simulation.case))
     ends = np.cumsum([0, *(held.functionals for held in conditions.held)])
-    places = [[conditions.load], *(conditions.supports[a:b] for a, b in pairwise(ends))]
+    places = [list(conditions.loads), *(conditions.supports[a:b] for a, b in pairwise(ends))]
     total = np.zeros(4)
     for s in steps:
         t = s.snapshot.tessellation

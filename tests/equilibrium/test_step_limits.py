@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from equilibrium.models import beam
-from fissura.equilibrium import Goal, PathFollower, System
+from fissura.equilibrium import Goal, Leg, PathFollower, System
 from fissura.equilibrium.newton import settle
 from fissura.structure import Structure
 
@@ -14,11 +14,12 @@ LONG = {"target": 1e-2}  # steps of 200 um at most, 50 um at first, 0.1 um at le
 
 
 def follower(limit=np.inf, **changes):
-    return PathFollower(beam(control={**LONG, **changes}).control, 1.0, "gauge", limit)
+    (stage,) = beam(control={**LONG, **changes}).stages
+    return PathFollower(Leg.simple(stage), stage, 1.0, limit)
 
 
 def state(value, load):
-    return SimpleNamespace(value=value, load=load)
+    return SimpleNamespace(value=value, load=load, iterations=1)
 
 
 def test_the_first_step_ends_before_the_first_contact_is_at_its_strength():
@@ -49,7 +50,7 @@ def test_a_leap_is_done_again_with_half_its_length():
     path = follower(limit=1e-5)
     goal, length = path.goal(1e-5), path.length
     assert path.is_leap(goal, *LEAP, 100.0)
-    assert path.failed()
+    assert path.failed(1.0)
     assert path.length == 0.5 * length
     assert path.goal(1e-5).control == "gauge"
 
@@ -78,10 +79,10 @@ def test_steps_in_energy_and_the_smallest_ones_are_no_leaps():
 def test_a_leap_is_no_failure():
     """Energy does not take over because of it, and a later failure does not count it."""
     path = follower(limit=1e-5)
-    path.succeeded(path.goal(0.0), 1, 1e-5, 0.5, 1e-5)
+    path.succeeded(path.goal(0.0), state(0.0, 0.0), state(1e-5, 1.0), 0.5)
     for _ in range(4):
         assert path.is_leap(path.goal(1e-5), *LEAP, 100.0)
-        assert path.failed()
+        assert path.failed(1.0)
         assert not path.goal(1e-5).in_energy
-    assert path.failed()
+    assert path.failed(1.0)
     assert path.goal(1e-5).in_energy

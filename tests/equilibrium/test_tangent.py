@@ -22,7 +22,7 @@ def state(system):
     """Equilibrium with damage that grows."""
     start = settle(system, system.virgin(), VALUE)
     guess = (start.response.u, start.load)
-    found = StepSolver(1e-8, 60).solve(system, system.virgin(), prescribed(system.control, VALUE), guess, 0.0)
+    found = StepSolver(1e-8, 60).solve(system, system.virgin(), prescribed(system, VALUE), guess, 0.0)
     assert found.response.history[:, 0].max() > 0.2
     return found
 
@@ -49,9 +49,9 @@ def random_residual(system, state, seed=1):
 
 
 CONSTRAINTS = {
-    "gauge": lambda system, state: prescribed(system.control, VALUE),
+    "gauge": lambda system, state: prescribed(system, VALUE),
     "load in the constraint": lambda system, state: Constraint(
-        0.5 * state.load * system.load, -0.3 * float(system.load @ state.response.u), 1e-6, 1e-3
+        0.5 * state.load * system.load, -0.3 * float(system.load @ state.response.u), 1e-6, 1e-3, 1e-6
     ),
 }
 
@@ -63,9 +63,7 @@ def test_correction_is_that_of_direct_solution(linear, kind, share):
     system = beam_system(CASE, linear=linear)
     start = settle(system, system.virgin(), VALUE)
     solver = StepSolver(1e-8, 60)
-    state = solver.solve(
-        system, system.virgin(), prescribed(system.control, VALUE), (start.response.u, start.load), 0.0
-    )
+    state = solver.solve(system, system.virgin(), prescribed(system, VALUE), (start.response.u, start.load), 0.0)
     constraint = CONSTRAINTS[kind](system, state)
     residual, gap = random_residual(system, state), share * constraint.value
     expected, more = direct(system, state, residual, constraint, gap)
@@ -75,13 +73,13 @@ def test_correction_is_that_of_direct_solution(linear, kind, share):
 
 
 def test_a_gauge_is_met_exactly_however_rough_the_solution(system, state):
-    constraint, gap = prescribed(system.control, VALUE), 1e-3 * VALUE
+    constraint, gap = prescribed(system, VALUE), 1e-3 * VALUE
     du, *_ = corrected(system, state, random_residual(system, state), constraint, gap, 0.3)
     assert system.control @ du == pytest.approx(gap, rel=1e-9)
 
 
 def test_a_fresh_preparation_needs_fewer_iterations_than_an_old_one(system, state):
-    residual, constraint = random_residual(system, state), prescribed(system.control, VALUE)
+    residual, constraint = random_residual(system, state), prescribed(system, VALUE)
     system.prepared.solve(system.virgin())
     *old, many = corrected(system, state, residual, constraint, 0.0)
     system.prepared.prepare(state.response, state.load)
@@ -92,7 +90,7 @@ def test_a_fresh_preparation_needs_fewer_iterations_than_an_old_one(system, stat
 
 def test_an_elastic_structure_needs_one_iteration(system):
     start = settle(system, system.virgin(), 1e-8)
-    residual, constraint = random_residual(system, start), prescribed(system.control, 1e-8)
+    residual, constraint = random_residual(system, start), prescribed(system, 1e-8)
     *_, iterations = corrected(system, start, residual, constraint, 0.0)
     assert iterations == 1
 
@@ -113,7 +111,7 @@ def test_preparation_is_renewed_when_old_ones_have_cost_enough(system, state, mo
     system.prepared.solve(system.virgin())
     solver, count = TangentSolver(system), system.prepared.count
     stiffness = system.law.tangent(state.response.strain[system.active], system.virgin())
-    constraint, residual = prescribed(system.control, VALUE), random_residual(system, state)
+    constraint, residual = prescribed(system, VALUE), random_residual(system, state)
 
     def solve(tolerance):
         return solver.solve(state.response, stiffness, state.load, residual, constraint, 0.0, tolerance)
@@ -140,7 +138,7 @@ def stale(system, state):
     The returned function solves to a reduction of 1e-8.
     """
     stiffness = system.law.tangent(state.response.strain[system.active], system.virgin())
-    constraint, residual = prescribed(system.control, VALUE), random_residual(system, state)
+    constraint, residual = prescribed(system, VALUE), random_residual(system, state)
 
     def solve(solver):
         return solver.solve(state.response, stiffness, state.load, residual, constraint, 0.0, 1e-8)
@@ -189,6 +187,6 @@ def test_a_solution_that_was_given_up_is_no_measure_of_a_fresh_preparation(syste
 
 
 def test_a_load_that_does_not_move_what_is_controlled_is_an_error_of_its_own(system, state):
-    nothing = prescribed(np.zeros(system.size), 0.0)
+    nothing = Constraint(np.zeros(system.size), 0.0, 0.0, 1e-9, 0.0, prescribed=True)
     with pytest.raises(SingularMatrixError, match="does not move"):
         corrected(system, state, random_residual(system, state), nothing, 0.0)

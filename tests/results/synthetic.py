@@ -146,6 +146,7 @@ def step(number, gauge, load, shot=None, **changes):
         "snapshot": snapshot(stack()) if shot is None else shot,
         "reactions": np.zeros((1, 6)),
         "dissipated_at": np.zeros(3),
+        "done": min(max(gauge / 1e-4, 0.0), 1.0),
     }
     return Step(**(values | changes))
 

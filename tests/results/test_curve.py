@@ -89,7 +89,7 @@ def test_further_columns_are_kept(tmp_path):
         ([""], "has no column step"),
         (["step,gauge_m", "1,2"], "has no column load_N"),
         ([",".join(COLUMNS), "1,2"], "line 2: has 2 values"),
-        ([",".join(COLUMNS), ",".join(["1"] * (len(COLUMNS) - 2) + ["fast", "gauge"])], "wall_s is 'fast'"),
+        ([",".join(COLUMNS), ",".join(["1"] * (len(COLUMNS) - 3) + ["fast", "gauge", "1"])], "wall_s is 'fast'"),
         ([",".join(COLUMNS), ",".join(["1.5"] + ["1"] * (len(COLUMNS) - 1))], "step is '1.5'"),
     ],
 )

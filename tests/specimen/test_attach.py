@@ -33,7 +33,7 @@ def structure(request, small_case):
 def test_rigid_motions(structure, shift, turn):
     t, c, _ = structure
     u = np.concatenate([rigid(t.x, shift, turn), np.tile(turn, (len(t), 1))], axis=1)
-    for functional in (*c.supports, c.load, c.control):
+    for functional in (*c.supports, *c.loads, *c.gauges):
         exact = value(functional, rigid(functional.points, shift, turn))
         assert_allclose(np.vdot(attach(functional, t), u), exact, atol=1e-12)
 
@@ -41,7 +41,7 @@ def test_rigid_motions(structure, shift, turn):
 def test_forces_and_moments_balance(structure):
     """As a load it is the given force at the given place."""
     t, c, _ = structure
-    load = attach(c.load, t)
+    load = attach(c.loads[0], t)
     assert_allclose(load[:, :3].sum(axis=0), [0.0, -1.0, 0.0], atol=1e-12)
     moment = (load[:, 3:] + np.cross(t.x, load[:, :3])).sum(axis=0)
     assert_allclose(moment, np.cross([0.06, 0.06, 0.02], [0.0, -1.0, 0.0]), atol=1e-12)
@@ -50,13 +50,13 @@ def test_forces_and_moments_balance(structure):
 def test_owners_hold_the_points(structure):
     """The owner of a surface point has a facet there, and lies on its side of the notch."""
     t, c, domain = structure
-    functionals = (c.load, c.control, *c.supports)
+    functionals = (*c.loads, *c.gauges, *c.supports)
     points, cells = (np.concatenate([getattr(f, name) for f in functionals]) for name in ("points", "cells"))
     body = owners_of(functionals, t)
     assert_array_equal(body, nearest_admitted(domain, t.x, points, cells))
     assert all(on_surface(t.surface, *pair) for pair in zip(body, points, strict=True))
     top = t.surface.body[t.surface.surface == t.surface.names.index("top")]
-    assert np.isin(owners_of([c.load], t), top).all()
+    assert np.isin(owners_of(c.loads, t), top).all()
 
 
 def on_surface(surface, body, point):
@@ -73,5 +73,5 @@ def on_surface(surface, body, point):
 
 def test_only_owners_take_part(structure):
     t, c, _ = structure
-    touched = np.flatnonzero(np.abs(attach(c.load, t)).sum(axis=1) > 0.0)
-    assert_array_equal(touched, np.unique(owners_of([c.load], t)))
+    touched = np.flatnonzero(np.abs(attach(c.loads[0], t)).sum(axis=1) > 0.0)
+    assert_array_equal(touched, np.unique(owners_of(c.loads, t)))

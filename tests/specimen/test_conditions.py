@@ -26,36 +26,38 @@ def beam(small_case):
 def test_means_of_rigid_motions(beam, shift, turn):
     """The load's displacement is that of its centroid, downwards; the gauge opens by the turn of its base."""
     u = rigid(np.array([0.06, 0.06, 0.02]), shift, turn)
-    assert_allclose(value(beam.load, rigid(beam.load.points, shift, turn)), -u[1], atol=1e-12)
+    assert_allclose(value(beam.loads[0], rigid(beam.loads[0].points, shift, turn)), -u[1], atol=1e-12)
     a, b = np.array([0.05, 0.0, 0.02]), np.array([0.065, 0.0, 0.02])
     opening = (rigid(b, shift, turn) - rigid(a, shift, turn))[0]
-    assert_allclose(value(beam.control, rigid(beam.control.points, shift, turn)), opening, atol=1e-12)
+    assert_allclose(value(beam.gauges[0], rigid(beam.gauges[0].points, shift, turn)), opening, atol=1e-12)
 
 
 def test_gauge_opens_positive(beam):
     """Both halves move apart by 1."""
-    u = np.where(beam.control.points[:, :1] > 0.06, 0.5, -0.5) * [1.0, 0.0, 0.0]
-    assert_allclose(value(beam.control, u), 1.0, rtol=1e-12)
+    u = np.where(beam.gauges[0].points[:, :1] > 0.06, 0.5, -0.5) * [1.0, 0.0, 0.0]
+    assert_allclose(value(beam.gauges[0], u), 1.0, rtol=1e-12)
 
 
 @pytest.mark.parametrize("direction", [None, [0, 3.0, 4.0]])
 @pytest.mark.parametrize("face", ["left", "right", "bottom", "top", "front", "back"])
 def test_load_is_a_unit_force(small_case, face, direction):
-    load = conditions(small_case(load={"face": face, "direction": direction} if direction else {"face": face})).load
+    load = conditions(small_case(load={"face": face, "direction": direction} if direction else {"face": face})).loads[0]
     inward = {"left": [1, 0, 0], "right": [-1, 0, 0], "bottom": [0, 1, 0], "top": [0, -1, 0]}
     inward |= {"front": [0, 0, 1], "back": [0, 0, -1]}
     assert_allclose(load.coefficients.sum(axis=0), [0, 0.6, 0.8] if direction else inward[face], atol=1e-12)
 
 
 def test_gauge_direction(small_case):
-    control = conditions(small_case(gauge__direction=[0, 2.0, 0])).control
-    u = np.where(control.points[:, :1] > 0.06, 1.0, 0.0) * [5.0, 7.0, 11.0]
-    assert_allclose(value(control, u), 7.0, rtol=1e-12)
+    (gauge,) = conditions(small_case(gauge__direction=[0, 2.0, 0])).gauges
+    u = np.where(gauge.points[:, :1] > 0.06, 1.0, 0.0) * [5.0, 7.0, 11.0]
+    assert_allclose(value(gauge, u), 7.0, rtol=1e-12)
 
 
 def test_displacement_control(small_case):
     c = conditions(small_case(control__type="displacement", gauge=None))
-    assert c.control is c.load
+    assert c.main.quantity == "displacement"
+    assert c.main.gauge is None
+    assert c.main.ratios.tolist() == [1.0]
 
 
 def rows(small_case, *supports, **changes):

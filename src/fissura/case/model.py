@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Generic, Literal, Self, TypeVar
 
 from pydantic import (
     BeforeValidator,
@@ -21,21 +22,16 @@ from fissura.case.material import Macro, Material
 from fissura.case.materials import MaterialRegion
 from fissura.case.part import Part
 from fissura.case.place import Notch, Patch
-from fissura.case.ranges import LONGEST
+from fissura.case.programme import GRAVITY, Control, Gravity, LoadingStage, Stage, resolved_stages
+from fissura.case.ranges import LONGEST, unless
 from fissura.case.region import BallRegion, BoxRegion
 from fissura.case.shape import Specimen, Voids
 from fissura.case.types import (
     Count,
     Direction,
     File,
-    Flag,
-    Iterations,
     PositiveLength,
-    Share,
-    StepLength,
-    Target,
     Thousands,
-    Tolerance,
     as_tuple,
     at_most,
     derived,
@@ -51,7 +47,9 @@ __all__ = [
     "Control",
     "Discretization",
     "Gauge",
+    "Gravity",
     "Load",
+    "LoadingStage",
     "Macro",
     "Material",
     "MaterialRegion",
@@ -61,8 +59,14 @@ __all__ = [
     "Patch",
     "Quantity",
     "Specimen",
+    "Stage",
     "Support",
 ]
+
+P = TypeVar("P", bound=Part)
+
+#: Names of loads and gauges, and how many of each there may be.
+_NAME, _MOST_NAMES = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}"), 50
 
 Quantity = Literal["gauge", "displacement"]
 """What may be controlled: the gauge, or the displacement of the load."""
@@ -115,40 +119,6 @@ class Discretization(Part):
         return self
 
 
-class Control(Part):
-    """How far and in what steps the specimen is deformed."""
-
-    type: Literal["gauge", "displacement", "dissipation"] = "gauge"
-    target: Target = Field(description='a length such as "0.1 mm"')
-    max_step: StepLength = Field(default_factory=derived(lambda target: target / 50, "target"))
-    first_step: StepLength = Field(
-        default_factory=derived(lambda target, step: min(target / 200, step), "target", "max_step")
-    )
-    min_step: StepLength = Field(
-        default_factory=derived(lambda target, step: min(target / 1e5, step), "target", "first_step")
-    )
-    tolerance: Tolerance = 1e-4
-    max_iterations: Iterations = 30
-    switch: Flag = True
-    stop_load: Share = Field(default_factory=derived(lambda kind: 0.05 if kind == "dissipation" else 0.0, "type"))
-
-    @model_validator(mode="after")
-    def _steps_in_order(self) -> Self:
-        limit = self.target / 50
-        if self.max_step > limit * (1 + 1e-9):
-            fail(f"{self.max_step:g} m is larger than target/50", f"at most {limit:g} m", "max_step")
-        if self.first_step > self.max_step:
-            fail(f"{self.first_step:g} m is larger than max_step", f"at most {self.max_step:g} m", "first_step")
-        if self.min_step > self.first_step:
-            fail(f"{self.min_step:g} m is larger than first_step", f"at most {self.first_step:g} m", "min_step")
-        # More steps than anyone waits for, and steps that round-off would swallow.
-        for key, share in (("max_step", 1e-6), ("min_step", 1e-12)):
-            if getattr(self, key) < share * self.target * (1 - 1e-9):
-                problem = f"{getattr(self, key):g} m is less than {share:g} of target = {self.target:g} m"
-                fail(problem, f"at least {share * self.target:g} m", key)
-        return self
-
-
 class Solver(Part):
     """How linear equations are solved."""
 
@@ -161,6 +131,30 @@ class Output(Part):
 
     vtk: Thousands = 5
     measured: File | None = None
+
+
+@dataclass(frozen=True)
+class Named(Generic[P]):
+    """A load or a gauge with its name.
+
+    Attributes
+    ----------
+    name : str
+        Its name in stages and results.
+    key : str
+        Where the case has it, for messages.
+    part : Load or Gauge
+        The table.
+    """
+
+    name: str
+    key: str
+    part: P
+
+
+def _named(name: str, one: P | None, many: Mapping[str, P]) -> tuple[Named[P], ...]:
+    first = () if one is None else (Named(name, name, one),)
+    return (*first, *(Named(key, f"{name}s.{key}", part) for key, part in many.items()))
 
 
 class Case(Part):
@@ -177,13 +171,21 @@ class Case(Part):
     supports: Annotated[tuple[Support, ...], BeforeValidator(as_tuple), at_most(50)] = Field(
         description="at least one table [[supports]] with type, and face or on"
     )
-    load: Load = Field(description="a table [load] with face or on")
+    loads: dict[str, Load] = Field(default_factory=dict, description="tables [loads.NAME]")
+    gravity: Gravity | None = None
+    stage: Annotated[tuple[Stage, ...], BeforeValidator(as_tuple), at_most(100)] = ()
+    load: Annotated[Load | None, unless("loads", "gravity")] = Field(
+        default=None, description="a table [load] with face or on"
+    )
     material: Material = Field(description="a table [material] with E, alpha, f_t, G_t")
     materials: Annotated[tuple[MaterialRegion, ...], BeforeValidator(as_tuple), at_most(1000)] = ()
     discretization: Discretization = Field(description="a table [discretization] with l_f")
     adaptivity: Adaptivity = Adaptivity()
-    control: Control = Field(description="a table [control] with target")
+    control: Annotated[Control | None, unless("stage")] = Field(
+        default=None, description="a table [control] with target"
+    )
     gauge: Gauge | None = None
+    gauges: dict[str, Gauge] = Field(default_factory=dict, description="tables [gauges.NAME]")
     output: Output = Output()
     solver: Solver = Solver()
     field: RandomField | None = None
@@ -205,12 +207,34 @@ class Case(Part):
         """Materials of the regions in `materials`, with the constants that they share with `material`."""
         return tuple(part.resolved(self.material) for part in self.materials)
 
+    @cached_property
+    def named_loads(self) -> tuple[Named[Load], ...]:
+        """All loads but gravity; that of the table ``[load]`` is called "load"."""
+        return _named("load", self.load, self.loads)
+
+    @cached_property
+    def named_gauges(self) -> tuple[Named[Gauge], ...]:
+        """All gauges; that of the table ``[gauge]`` is called "gauge"."""
+        return _named("gauge", self.gauge, self.gauges)
+
+    @cached_property
+    def stages(self) -> tuple[LoadingStage, ...]:
+        """What is done, one stage after another; the last one is the one that a run is told by."""
+        loads = [load.name for load in self.named_loads] + ([] if self.gravity is None else [GRAVITY])
+        return resolved_stages(self.control, self.stage, loads, [gauge.name for gauge in self.named_gauges])
+
+    @property
+    def main(self) -> LoadingStage:
+        """The last stage: load, gauge and displacement without a name of their own are those that it drives."""
+        return self.stages[-1]
+
     @property
     def quantity(self) -> Quantity:
-        """The controlled quantity: the gauge, or the displacement of the load."""
-        if self.control.type == "dissipation":
-            return "displacement" if self.gauge is None else "gauge"
-        return self.control.type
+        """What the loads of the main stage are told over: the gauge, or the displacement of the load."""
+        main = self.main
+        if main.quantity == "force":
+            return "displacement" if main.gauge is None else "gauge"
+        return main.quantity
 
     @field_validator("name")
     @classmethod
@@ -239,12 +263,27 @@ class Case(Part):
             part.settle(self.material, f"materials[{k}]")
         return self
 
+    @field_validator("loads", "gauges", mode="before")
+    @classmethod
+    def _names(cls, value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        if len(value) > _MOST_NAMES:
+            fail(f"{len(value)} are given", f"at most {_MOST_NAMES}")
+        for name in value:
+            if not isinstance(name, str) or not _NAME.fullmatch(name):
+                allowed = "a letter, then letters, digits, - and _, up to 40 of them"
+                fail("is no name for a load or a gauge", allowed, (str(name),))
+            if name == GRAVITY:
+                fail("is the name of the specimen's own weight", "a table [gravity], or another name", (name,))
+        return value
+
     @model_validator(mode="after")
     def _controlled(self) -> Self:
-        if self.gauge is None and self.control.type == "gauge":
-            fail(
-                'missing, but control.type is "gauge"',
-                'a table [gauge] with a and b, or control.type = "displacement"',
-                "gauge",
-            )
+        for one, many in (("load", "loads"), ("gauge", "gauges")):
+            if getattr(self, one) is not None and one in getattr(self, many):
+                fail("has the name that the table without a name has", f"another name than {one}", (many, one))
+        if self.control is not None and self.stage:
+            fail("is given together with [[stage]]", "either a table [control], or tables [[stage]]", "control")
+        _ = self.stages  # refuses names that are not known
         return self

@@ -117,24 +117,27 @@ def _specimen(case: Case) -> Iterable[Notice]:
 
 def _target(case: Case) -> Iterable[Notice]:
     """Ends of a run that are too far for small displacements, or too near for any crack."""
-    target, largest = case.control.target, case.specimen.largest or math.inf
-    material, l_f = case.material, case.discretization.l_f
-    if target > MOST_DISPLACEMENT * largest:
-        yield Notice(
-            "control.target",
-            f"{told(target, LENGTH)} is {target / largest:.2g} of the specimen's {told(largest, LENGTH)};"
-            " displacements count as small",
-            'a smaller target; numbers without a unit are in m, write such as "0.1 mm"',
-        )
+    largest, material, l_f = case.specimen.largest or math.inf, case.material, case.discretization.l_f
     # A contact of length l_f is at its strength when it has opened by l_f f_t/E.
     opening = l_f * material.f_t / material.E
-    if target < 0.1 * opening:
-        yield Notice(
-            "control.target",
-            f"{told(target, LENGTH)} is less than a tenth of l_f f_t/E = {told(opening, LENGTH)},"
-            " with which a contact begins to crack",
-            'a larger target; numbers without a unit are in m, write such as "0.1 mm"',
-        )
+    for stage in case.stages:
+        target = abs(stage.target)
+        if stage.quantity == "force" or math.isnan(target):
+            continue
+        if target > MOST_DISPLACEMENT * largest:
+            yield Notice(
+                stage.target_key,
+                f"{told(target, LENGTH)} is {target / largest:.2g} of the specimen's {told(largest, LENGTH)};"
+                " displacements count as small",
+                'a smaller target; numbers without a unit are in m, write such as "0.1 mm"',
+            )
+        if target < 0.1 * opening:
+            yield Notice(
+                stage.target_key,
+                f"{told(target, LENGTH)} is less than a tenth of l_f f_t/E = {told(opening, LENGTH)},"
+                " with which a contact begins to crack",
+                'a larger target; numbers without a unit are in m, write such as "0.1 mm"',
+            )
 
 
 def _spacings(case: Case) -> Iterable[Notice]:

@@ -7,16 +7,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic import BeforeValidator, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from fissura.case.report import fail
 from fissura.case.units import Dimension, show, to_si
 
 __all__ = [
+    "ACCELERATIONS",
     "BULK_MODULI",
     "COORDINATES",
     "CORRELATION",
+    "DENSITIES",
     "ENERGIES",
+    "FORCES",
     "LENGTHS",
     "LONGEST",
     "MODULI",
@@ -28,6 +32,7 @@ __all__ = [
     "derived",
     "instead",
     "quantity",
+    "unless",
 ]
 
 #: Largest length in a case [m]. Longer defaults are cut to it, so that a case can be read again from its own values.
@@ -79,6 +84,9 @@ MODULI = Range(1e3, 1e14, "positive, 1 kPa to 100 TPa")
 BULK_MODULI = Range(1e3, 1e13, "positive, 1 kPa to 10 TPa")
 STRENGTHS = Range(1.0, 1e12, "positive, 1 Pa to 1 TPa")
 ENERGIES = Range(1e-6, 1e9, "positive, 1e-6 to 1e9 J/m^2")
+FORCES = Range(-1e12, 1e12, "-1e12 N to 1e12 N")
+DENSITIES = Range(1.0, 1e5, "positive, 1 to 1e5 kg/m^3")
+ACCELERATIONS = Range(1e-3, 1e5, "positive, 0.001 to 1e5 m/s^2")
 #: For keys that are bounded by another one.
 POSITIVE = Range(0.0, math.inf, "positive", open=True)
 
@@ -136,6 +144,20 @@ def derived(function: Callable[..., float], *keys: str) -> Callable[[dict[str, A
         return function(*(data[key] for key in keys))
 
     return default
+
+
+def unless(*keys: str) -> BeforeValidator:
+    """Validator of a field that is required unless one of some other keys, which stand before it, is given."""
+
+    def validate(value: Any, info: ValidationInfo) -> Any:
+        if value is None:
+            if any(key not in info.data for key in keys):
+                raise PydanticCustomError("waiting", "whether it is needed depends on a key that is wrong")
+            if not any(info.data[key] for key in keys):
+                raise PydanticCustomError("missing", "missing")
+        return value
+
+    return BeforeValidator(validate)
 
 
 def instead(key: str, function: Callable[[Any], float]) -> Callable[[dict[str, Any]], Any]:

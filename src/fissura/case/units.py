@@ -15,7 +15,20 @@ from fissura.errors import one_line
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["ENERGY_PER_AREA", "LENGTH", "NUMBER", "STRESS", "Dimension", "plain", "show", "to_si", "told"]
+__all__ = [
+    "ACCELERATION",
+    "DENSITY",
+    "ENERGY_PER_AREA",
+    "FORCE",
+    "LENGTH",
+    "NUMBER",
+    "STRESS",
+    "Dimension",
+    "plain",
+    "show",
+    "to_si",
+    "told",
+]
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
 _LONGEST, _LONGEST_SHOWN = 80, 60
@@ -60,6 +73,9 @@ class Dimension:
 LENGTH = Dimension("a length", "m", "50 mm")
 STRESS = Dimension("a stress", "Pa", "2.2 MPa")
 ENERGY_PER_AREA = Dimension("an energy per area", "J/m^2", "35 J/m^2")
+FORCE = Dimension("a force", "N", "5 kN")
+DENSITY = Dimension("a density", "kg/m^3", "2400 kg/m^3")
+ACCELERATION = Dimension("an acceleration", "m/s^2", "9.81 m/s^2")
 NUMBER = Dimension("a number", "", "0.2")
 
 #: SI values of the units that almost every case uses; pint, which knows all others, takes 0.3 s to load.
@@ -76,11 +92,18 @@ COMMON: dict[str, dict[str, float]] = {
         "Nm/m²": 1.0,
         "Nm/m2": 1.0,
     },
+    FORCE.unit: {"N": 1.0, "kN": 1e3, "MN": 1e6},
+    DENSITY.unit: {"kg/m^3": 1.0, "kg/m³": 1.0, "kg/m3": 1.0, "t/m^3": 1e3},
+    ACCELERATION.unit: {"m/s^2": 1.0, "m/s²": 1.0, "m/s2": 1.0},
 }
 
 
 #: Units in which values are told, the largest first.
-_TOLD: dict[str, tuple[str, ...]] = {LENGTH.unit: ("m", "mm", "um"), STRESS.unit: ("GPa", "MPa", "kPa", "Pa")}
+_TOLD: dict[str, tuple[str, ...]] = {
+    LENGTH.unit: ("m", "mm", "um"),
+    STRESS.unit: ("GPa", "MPa", "kPa", "Pa"),
+    FORCE.unit: ("MN", "kN", "N"),
+}
 
 
 @cache

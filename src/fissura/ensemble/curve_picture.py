@@ -46,7 +46,7 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
     x, x_unit = gauge_unit(max(float(path.value.max()) for path in paths.values()))
     y, y_unit = load_unit(max(float(np.abs(path.load).max()) for path in paths.values()))
     case, measured = result.plan.case, result.plan.case.output.measured
-    seen = case.quantity == "gauge" or case.gauge is None  # measured loads are over the gauge
+    seen = case.quantity == "gauge" or case.main.gauge is None  # measured loads are over the gauge
     if seen and measured is not None and measured.exists():
         fill_measured(axes, read_measured(measured), x, y)
     finished = set(result.runs["number"][result.runs["status"] == "finished"].tolist())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fissura.equilibrium.attach import attach
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.direct import SOLVERS, best_solver
+from fissura.equilibrium.leg import Leg
 from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
 from fissura.equilibrium.memory import SolverMemory
 from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
@@ -20,6 +21,7 @@ __all__ = [
     "Equilibrium",
     "Goal",
     "Leading",
+    "Leg",
     "Norms",
     "PathFollower",
     "Response",

@@ -31,7 +31,9 @@ class Constraint:
     value : float
         What to meet.
     tolerance : float
-        Error, relative to `value`, with which it counts as met.
+        Error, relative to `scale`, with which it counts as met.
+    scale : float
+        Size of what is to be met: that of `value`, or more where it is zero or nearly so.
     prescribed : bool
         `value` is that of the controlled quantity, to round-off.
     begun : Response, optional
@@ -42,6 +44,7 @@ class Constraint:
     load_factor: float
     value: float
     tolerance: float
+    scale: float
     prescribed: bool = False
     begun: Response | None = None
 
@@ -51,26 +54,49 @@ class Constraint:
 
     def met(self, u: FloatArray, load: float) -> bool:
         """Whether the equation holds."""
-        return abs(self.gap(u, load)) <= self.tolerance * abs(self.value)
+        return abs(self.gap(u, load)) <= self.tolerance * self.scale
+
+    @property
+    def by_force(self) -> bool:
+        """Whether it prescribes the load multiplier."""
+        return self.prescribed and self.load_factor != 0.0
+
+    @property
+    def in_energy(self) -> bool:
+        """Whether energy leads."""
+        return self.begun is not None
 
 
-def prescribed(control: FloatArray, value: float) -> Constraint:
-    """Indirect displacement control: a gauge takes the given value [m] (de Borst 1987)."""
-    return Constraint(control, 0.0, value, 1e-9, prescribed=True)
-
-
-def dissipating(load: FloatArray, begun: Response, multiplier: float, energy: float) -> Constraint:
-    """Control by dissipated energy: a step away from an equilibrium takes a given energy [J].
-
-    All unloading goes to the origin, so the energy that a step dissipates is linear in where it ends, ``(multiplier
-    load . u_new - multiplier_new load . u) / 2`` (Gutierrez 2004; Verhoosel, Remmers & Gutierrez 2009). Where contacts
-    close, that counts work as dissipated which is stored (:meth:`System.kinks`): whether enough was dissipated is to be
-    seen at the end.
+def prescribed(system: System, value: float, begun: float = 0.0) -> Constraint:
+    """Let the controlled quantity take a value: a gauge [m] (de Borst 1987), a displacement [m], or the load [N].
 
     Parameters
     ----------
-    load : (6 n,) array
-        Unit load.
+    system : System
+        What is controlled.
+    value : float
+        Its value.
+    begun : float, optional
+        Its value where the step begins.
+    """
+    scale = max(abs(value), abs(begun))
+    if system.by_force:
+        return Constraint(np.zeros(system.size), 1.0, value, 1e-9, scale, prescribed=True)
+    return Constraint(system.control, 0.0, value, 1e-9, scale, prescribed=True)
+
+
+def dissipating(system: System, begun: Response, multiplier: float, energy: float) -> Constraint:
+    """Control by dissipated energy: a step away from an equilibrium takes a given energy [J].
+
+    All unloading goes to the origin, so the energy that a step dissipates is linear in where it ends, ``(F . u_new -
+    F_new . u) / 2`` with all external forces ``F = multiplier load + dead`` (Gutierrez 2004; Verhoosel, Remmers &
+    Gutierrez 2009). Where contacts close, that counts work as dissipated which is stored (:meth:`System.kinks`):
+    whether enough was dissipated is to be seen at the end.
+
+    Parameters
+    ----------
+    system : System
+        Loads.
     begun : Response
         The equilibrium where the step begins.
     multiplier : float
@@ -78,7 +104,9 @@ def dissipating(load: FloatArray, begun: Response, multiplier: float, energy: fl
     energy : float
         Energy to dissipate.
     """
-    return Constraint(0.5 * multiplier * load, -0.5 * dot(load, begun.u), energy, 1e-3, begun=begun)
+    kept = 0.0 if system.dead is None else 0.5 * dot(system.dead, begun.u)
+    vector, factor = 0.5 * system.external(multiplier), -0.5 * dot(system.load, begun.u)
+    return Constraint(vector, factor, energy + kept, 1e-3, energy, begun=begun)
 
 
 def holding(system: System, before: Response, after: Response) -> Constraint | None:
@@ -95,4 +123,4 @@ def holding(system: System, before: Response, after: Response) -> Constraint | N
     traction[system.active] = growth[:, None] * after.traction[system.active]
     vector = system.internal(traction, np.zeros(system.size))
     value = dot(vector, after.u)
-    return Constraint(vector, 0.0, value, 1e-6) if value > 0.0 else None
+    return Constraint(vector, 0.0, value, 1e-6, value) if value > 0.0 else None

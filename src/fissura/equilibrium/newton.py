@@ -115,7 +115,7 @@ class _Trial:
 
 
 def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
-    """Solution with the damage that is there: the controlled quantity takes the given value.
+    """Solution with the damage that is there: the controlled quantity takes the given value, other loads are kept.
 
     Used for the first elastic state, and to find the state of the last accepted step on a new discretization. It is
     linear but for contacts that open or close, under laws for which these differ: they are found one linear solution
@@ -130,10 +130,15 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
     """
     for iterations in range(1, _CLOSINGS + 1):
         unit = system.prepared.solve(history)
-        reach = dot(system.control, unit)
-        if not np.isfinite(reach) or abs(reach) <= _UNMOVED * float(np.abs(system.control * unit).sum()):
-            raise UnmovedGaugeError("the load does not move the controlled quantity")
-        u = unit * (value / reach)
+        dead = None if system.dead is None else system.prepared.dead(history)
+        reach, missing = 1.0, value
+        if not system.by_force:
+            reach = dot(system.control, unit)
+            if not np.isfinite(reach) or abs(reach) <= _UNMOVED * float(np.abs(system.control * unit).sum()):
+                raise UnmovedGaugeError("the load does not move the controlled quantity")
+            missing = value if dead is None else value - dot(system.control, dead)
+        load = missing / reach
+        u = unit * load if dead is None else unit * load + dead
         strain = contact_strains(system.geometry, u.reshape(-1, 6))
         moved = system.law.unloaded(strain[system.active], history)
         if system.prepared.is_for(moved) or iterations == _CLOSINGS:
@@ -142,7 +147,7 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
     traction = strain * system.moduli
     traction[system.active] *= system.law.intact(history)
     response = Response(u, strain, traction, history, system.internal(traction, u))
-    return Equilibrium(response, value / reach, value, iterations=iterations)
+    return Equilibrium(response, load, value, iterations=iterations)
 
 
 class StepSolver:
@@ -223,7 +228,9 @@ class StepSolver:
         self._tangent.restore(memory)
 
     def _solve(self, guess: tuple[FloatArray, float], patience: int) -> Equilibrium | None:
-        self._load_size = norm(self._system.weights * self._system.load)
+        system = self._system
+        self._load_size = norm(system.weights * system.load)
+        self._dead_size = 0.0 if system.dead is None else norm(system.weights * system.dead)
         self._left = patience * self.max_iterations
         trial = self._try(guess[0].copy(), guess[1])
         asked, bursts = self._constraint, 0
@@ -240,14 +247,14 @@ class StepSolver:
             except SingularMatrixError as error:
                 _log.debug("mixed stiffness: %s", error)
                 return None
-            if asked.load_factor != 0.0 and not self._converged(trial):
+            if asked.in_energy and not self._converged(trial):
                 self._constraint = holding(self._system, begun.response, trial.response) or asked
         if not self._converged(trial) or not self._near(asked, trial) or not self._dissipates(asked, trial):
             return None
         norms = Norms(trial.size / self._reference(trial.load), trial.displacement, trial.energy)
         iterations = patience * self.max_iterations - self._left
         constraint = self._constraint
-        value = constraint.value if constraint.prescribed else dot(self._system.control, trial.response.u)
+        value = constraint.value if constraint.prescribed else system.value(trial.response.u, trial.load)
         return Equilibrium(trial.response, trial.load, value, norms, iterations)
 
     def _burst(self, trial: _Trial, bursts: int) -> tuple[_Trial, int]:
@@ -281,7 +288,7 @@ class StepSolver:
         """Whether a state found while contacts were held is about as far as was asked for."""
         if asked is self._constraint:
             return True
-        share = 1.0 - asked.gap(trial.response.u, trial.load) / asked.value
+        share = 1.0 - asked.gap(trial.response.u, trial.load) / asked.scale
         return _NEAREST <= share <= _FARTHEST
 
     def _dissipates(self, asked: Constraint, trial: _Trial) -> bool:
@@ -289,7 +296,7 @@ class StepSolver:
         if asked.begun is None:
             return True
         spent = float(self._system.dissipated(asked.begun, trial.response).sum())
-        return spent >= _NEAREST * asked.value
+        return spent >= _NEAREST * asked.scale
 
     def _newton_phase(self, trial: _Trial) -> _Trial:
         """Newton iterations until they converge or stall."""
@@ -313,7 +320,7 @@ class StepSolver:
         return trial
 
     def _reference(self, load: float) -> float:
-        return self._load_size * max(abs(load), self._scale)
+        return max(self._load_size * max(abs(load), self._scale), self._dead_size)
 
     def _converged(self, trial: _Trial) -> bool:
         """Force and energy within tolerance, and the constraint met."""
@@ -325,16 +332,23 @@ class StepSolver:
 
     def _try(self, u: FloatArray, load: float) -> _Trial:
         response = self._system.response(u, self._history)
-        residual = load * self._system.load - response.forces
+        residual = self._system.external(load) - response.forces
         return _Trial(response, load, residual, norm(self._system.weights * residual))
 
     def _measured(self, trial: _Trial, before: _Trial) -> _Trial:
         """Fill in the norms that need the correction."""
         step = trial.response.u - before.response.u
         trial.displacement = norm(step) / max(norm(trial.response.u), 1e-300)
-        work = abs(trial.load * dot(self._system.load, trial.response.u))
-        trial.energy = abs(dot(trial.residual, step)) / max(work, 1e-300)
+        trial.energy = abs(dot(trial.residual, step)) / max(self._work(trial), 1e-300)
         return trial
+
+    def _work(self, trial: _Trial) -> float:
+        """Work of the loads on the displacements, and at least that of the least load that counts."""
+        system, u = self._system, trial.response.u
+        work = abs(trial.load * dot(system.load, u))
+        if system.dead is not None:
+            work += abs(dot(system.dead, u))
+        return max(work, self._scale**2 * abs(dot(system.load, system.prepared.unit)))
 
     def _corrected(self, trial: _Trial, stiffness: FloatArray, constraint: Constraint) -> tuple[FloatArray, float]:
         """Correction of displacements and load that goes by a stiffness of the contacts with damage."""
@@ -374,11 +388,11 @@ class StepSolver:
         """
         system, constraint = self._system, self._constraint
         stiffness = system.secant_stiffness(trial.response.history)[system.active]
-        if constraint.load_factor != 0.0:
+        if constraint.in_energy:
             # Unloading with the secant stiffness dissipates nothing: the displacement is kept instead, so that damage
             # runs away slowly where it localizes; any share of the tangent would make that a leap.
             kept = dot(constraint.vector, trial.response.u)
-            constraint = Constraint(constraint.vector, 0.0, kept, 1.0)
+            constraint = Constraint(constraint.vector, 0.0, kept, 1.0, abs(kept))
         elif share > 0.0:
             tangent = system.law.tangent(trial.response.strain[system.active], self._history)
             stiffness += share * (tangent - stiffness)

@@ -13,10 +13,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
+from fissura.equilibrium.leg import Leg
 from fissura.equilibrium.steps import StepLength
 
 if TYPE_CHECKING:
-    from fissura.case.model import Control
+    from fissura.case import LoadingStage
     from fissura.equilibrium.newton import Equilibrium
     from fissura.equilibrium.system import System
 
@@ -68,9 +69,9 @@ class Goal:
     Attributes
     ----------
     control : str
-        What leads: "gauge", "displacement" or "dissipation".
+        What leads: "gauge", "displacement", "force" or "dissipation".
     size : float
-        Value of the controlled quantity at the end [m], or energy to dissipate [J].
+        Value of the controlled quantity at the end [m or N], or energy to dissipate [J].
     patience : int
         Factor on the number of iterations.
     """
@@ -87,8 +88,8 @@ class Goal:
     def constraint(self, system: System, now: Equilibrium) -> Constraint:
         """The equation for a step that begins at an equilibrium."""
         if self.in_energy:
-            return dissipating(system.load, now.response, now.load, self.size)
-        return prescribed(system.control, self.size)
+            return dissipating(system, now.response, now.load, self.size)
+        return prescribed(system, self.size, now.value)
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,8 @@ class Leading:
         Steps since it has it.
     dissipated : float
         Energy dissipated in the last accepted step [J].
+    top : float
+        Largest size of the load factor on this leg [N].
     """
 
     gauge: StepLength
@@ -125,6 +128,7 @@ class Leading:
     needed: int = _GROWING
     since: int = _SOON
     dissipated: float = 0.0
+    top: float = 0.0
 
 
 class PathFollower:
@@ -132,15 +136,15 @@ class PathFollower:
 
     Parameters
     ----------
-    control : Control
-        Table of the case.
+    leg : Leg
+        The way to go.
+    stage : LoadingStage
+        The stage to which it belongs.
     energy : float
         What it takes to break the specimen, roughly [J]: it decides the longest step in energy.
-    quantity : str
-        Name of the controlled quantity, "gauge" or "displacement".
     limit : float
-        Value of the controlled quantity at which the first contact comes to its strength [m]: the first step ends there
-        at the latest, and the smallest step shrinks with the first one.
+        Way at which the first contact comes to its strength [m or N]: the first step ends there at the latest, and the
+        smallest step shrinks with the first one.
     memory : Leading, optional
         What is remembered of earlier steps; nothing by default.
 
@@ -152,26 +156,28 @@ class PathFollower:
 
     def __init__(
         self,
-        control: Control,
+        leg: Leg,
+        stage: LoadingStage,
         energy: float,
-        quantity: str,
         limit: float = math.inf,
         memory: Leading | None = None,
     ) -> None:
-        self._target, self._quantity = control.target, quantity
-        self._always = control.type == "dissipation"
-        self._may_switch = self._always or control.switch
-        self._stop_load = control.stop_load
-        self.memory = self._beginning(control, energy, limit) if memory is None else memory
+        self._leg, self._quantity = leg, leg.quantity
+        self._by_force = leg.quantity == "force"
+        self._always = stage.energy and not self._by_force and leg.loads
+        self._may_switch = (self._always or stage.switch) and not self._by_force
+        self._stop_load = stage.stop_load if leg.loads else 0.0
+        self.memory = self._beginning(leg, energy, limit) if memory is None else memory
 
     @staticmethod
-    def _beginning(control: Control, energy: float, limit: float) -> Leading:
+    def _beginning(leg: Leg, energy: float, limit: float) -> Leading:
         """What is known before the first step."""
-        first = min(control.first_step, max(limit, _LEAST * control.first_step))
-        longest = energy * control.max_step / control.target
+        first = min(leg.first, max(limit, _LEAST * leg.first))
+        longest = energy * leg.share
         return Leading(
-            StepLength.starting(first, control.max_step, control.min_step * (first / control.first_step)),
+            StepLength.starting(first, leg.longest, leg.smallest * (first / leg.first)),
             StepLength(longest, longest / 2.0**_HALVINGS, 0),
+            top=abs(leg.load),
         )
 
     def _remember(self, **changes: Any) -> None:
@@ -179,7 +185,7 @@ class PathFollower:
 
     @property
     def length(self) -> float:
-        """Length of the next step under the gauge [m]."""
+        """Length of the next step under the gauge, or what else is controlled [m or N]."""
         return self.memory.gauge.length
 
     @property
@@ -187,10 +193,14 @@ class PathFollower:
         """Step under the gauge below which a run is given up [m]."""
         return self.memory.gauge.smallest
 
-    def ended(self, value: float, load: float, peak: float) -> bool:
-        """Whether the run is over, with this value of the controlled quantity, and these loads [N]."""
+    def ended(self, value: float) -> bool:
+        """Whether the leg is over, with this value of the controlled quantity."""
+        return self._leg.progress(value) >= self._leg.length * (1.0 - 1e-9)
+
+    def broken(self, load: float, peak: float) -> bool:
+        """Whether nothing more is to be done: the load factor [N] has fallen far below the peak."""
         least = max(self._stop_load, _BROKEN if self.memory.in_energy else 0.0)
-        return value >= self._target * (1.0 - 1e-9) or abs(load) < least * peak
+        return abs(load) < least * peak <= self.memory.top
 
     def goal(self, value: float) -> Goal:
         """Goal of the next step, from a value of the controlled quantity."""
@@ -198,10 +208,23 @@ class PathFollower:
             return Goal("dissipation", self.memory.energy.length)
         patient = self.memory.failures >= _CUTS and (self.memory.jumping or not self._may_switch)
         patient = patient and self.memory.failures < _CUTS + _PATIENT_ATTEMPTS
-        return Goal(self._quantity, self.memory.gauge.next_value(value, self._target), _PATIENCE if patient else 1)
+        leg = self._leg
+        end = leg.value(self.memory.gauge.next_value(leg.progress(value), leg.length))
+        return Goal(self._quantity, end, _PATIENCE if patient else 1)
 
-    def is_jump(self, goal: Goal, lost: float, peak: float) -> bool:
-        """Whether a converged step that lost so much load [N] left out a part of the path that energy can follow."""
+    def is_jump(self, goal: Goal, now: Equilibrium, found: Equilibrium, peak: float) -> bool:
+        """Whether a converged step that lost load left out a part of the path that energy can follow.
+
+        Parameters
+        ----------
+        goal : Goal
+            Its goal.
+        now, found : Equilibrium
+            Where it began and ended.
+        peak : float
+            Largest load so far [N].
+        """
+        lost = self._leg.forward(now.load - found.load)
         return self._may_switch and not goal.in_energy and not self.memory.jumping and lost > _JUMP * peak
 
     def is_leap(self, goal: Goal, now: Equilibrium, found: Equilibrium, peak: float) -> bool:
@@ -216,30 +239,29 @@ class PathFollower:
         peak : float
             Largest load so far [N].
         """
-        long = not goal.in_energy and not self.memory.jumping and now.value > 0.0
-        long = long and found.value > (1.0 + _SHORT) * now.value and abs(now.load) >= _TOP * peak
-        softened = abs(found.load) * now.value < _STIFF * abs(now.load) * found.value
-        leapt = bool(long and softened and self.memory.gauge.halved() is not None)
+        leg = self._leg
+        so_far, far = leg.progress(now.value), leg.progress(found.value)
+        long = not self._by_force and not goal.in_energy and not self.memory.jumping and so_far > 0.0
+        long = long and far > (1.0 + _SHORT) * so_far and abs(now.load) >= _TOP * peak
+        leapt = long and leg.softened(now, found, _STIFF) and self.memory.gauge.halved() is not None
         self._remember(leapt=leapt)
         return leapt
 
-    def succeeded(self, goal: Goal, iterations: int, growth: float, dissipated: float, value: float) -> None:
+    def succeeded(self, goal: Goal, now: Equilibrium, found: Equilibrium, dissipated: float) -> None:
         """Take note of an accepted step.
 
         Parameters
         ----------
         goal : Goal
             Its goal.
-        iterations : int
-            Iterations it took.
-        growth : float
-            How much the controlled quantity grew [m].
+        now, found : Equilibrium
+            Where it began and ended.
         dissipated : float
             Energy dissipated [J].
-        value : float
-            Value of the controlled quantity [m].
         """
-        self._remember(failures=0, jumping=False, dissipated=dissipated)
+        leg, value, iterations = self._leg, found.value, found.iterations
+        growth, top = leg.progress(value) - leg.progress(now.value), max(self.memory.top, abs(found.load))
+        self._remember(failures=0, jumping=False, dissipated=dissipated, top=top)
         if goal.in_energy:
             gauge, needed = self.memory.gauge, self.memory.needed
             growing = self.memory.growing + 1 if growth >= gauge.length / needed else 0
@@ -252,17 +274,18 @@ class PathFollower:
                 self._remember(in_energy=False, since=0, gauge=gauge)
                 _log.info("the %s leads again at %.4g m", self._quantity, value)
             return
-        self._remember(since=self.memory.since + 1, gauge=self.memory.gauge.after(iterations, value))
-        if self._always and dissipated >= _DAMAGE_BEGINS * self.memory.energy.longest:
+        self._remember(since=self.memory.since + 1, gauge=self.memory.gauge.after(iterations, leg.progress(value)))
+        loading = leg.forward(found.load) > 0.0
+        if self._always and loading and dissipated >= _DAMAGE_BEGINS * self.memory.energy.longest:
             self._take_over()
 
-    def failed(self, *, unloaded: bool = False) -> bool:
+    def failed(self, load: float) -> bool:
         """Take note of a step that was not accepted; False when nothing is left to try.
 
         Parameters
         ----------
-        unloaded : bool
-            The step began without load: energy cannot lead from there.
+        load : float
+            Load factor where it began [N]: energy cannot lead where there is none, or where the way unloads.
         """
         gauge = self.memory.gauge
         shorter = gauge.halved()
@@ -278,7 +301,7 @@ class PathFollower:
             else:
                 self._remember(in_energy=False, jumping=True, failures=_CUTS)
             return True
-        if self._may_switch and not self.memory.jumping and not unloaded:
+        if self._may_switch and not self.memory.jumping and self._leg.forward(load) > 0.0:
             if self._damaging or failures > _ELASTIC_CUTS or shorter is None:
                 self._take_over()
             else:

@@ -1,4 +1,4 @@
-"""Whether load and gauge can do anything, given the bodies that own their places."""
+"""Whether loads and gauges can do anything, given the bodies that own their places."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: b
     Parameters
     ----------
     conditions : Conditions
-        Supports, load and gauge.
+        Supports, loads and gauges.
     bodies : Tessellation or Nuclei
         Rigid bodies.
     arm : float
@@ -42,32 +42,35 @@ def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: b
     if len(bodies) < 2:
         key, what = ("discretization.l_c", "the start") if start else ("discretization.l_f", "the specimen")
         raise InputError(key, f"{what} is a single rigid body", "a smaller spacing")
-    gauge = conditions.gauge
-    if gauge is not conditions.control and start:
-        gauge = None
-    functionals = (conditions.load, *conditions.supports, *([] if gauge is None else [gauge]))
+    leading = {drive.gauge for drive in conditions.drives if drive.quantity == "gauge"}
+    gauges = [k for k in range(len(conditions.gauges)) if k in leading or not start]
+    loads, measures = conditions.loads, [conditions.gauges[k] for k in gauges]
+    functionals = (*loads, *conditions.supports, *measures)
     body = owners_of(functionals, bodies)
     rows = attach_rows(functionals, bodies, body)
     used = np.unique(rows.indices)
     dense = rows[:, used].toarray() / np.where(used % 6 < 3, 1.0, arm)
-    load, supports = dense[0], dense[1 : 1 + len(conditions.supports)]
+    supports = dense[len(loads) : len(loads) + len(conditions.supports)]
     finer = ", or bodies that are fine there from the start (adaptivity.regions, discretization.l_c)" if start else ""
     when = " at the start" if start else ""
-    if gauge is not None:
-        owner, measured = body[-len(gauge.points) :], dense[-1]
+    ends = np.cumsum([len(f.points) for f in functionals])
+    for row, k in enumerate(gauges, len(loads) + len(conditions.supports)):
+        gauge, key, measured = conditions.gauges[k], conditions.gauge_keys[k], dense[row]
+        owner = body[ends[row] - len(gauge.points) : ends[row]]
         most = np.abs(gauge.coefficients).sum()
         if (owner == owner[0]).all() or np.linalg.norm(measured) <= _ROUND_OFF * most:
             raise InputError(
-                "gauge",
+                key,
                 f"both of its ends lie on one rigid body{when}, so that it measures nothing",
                 f"ends farther apart than two bodies, or on both sides of a notch{finer}",
             )
         if _spanned(measured, supports):
-            raise InputError("gauge", f"supports hold both of its ends{when}", f"places that can move{finer}")
-    if _spanned(load, supports):
-        raise InputError(
-            "load", f"acts on bodies that the supports hold{when}, and moves nothing", f"a place beside them{finer}"
-        )
+            raise InputError(key, f"supports hold both of its ends{when}", f"places that can move{finer}")
+    for key, load in zip(conditions.load_keys, dense[: len(loads)], strict=False):  # the weight has a key, and no row
+        if _spanned(load, supports):
+            raise InputError(
+                key, f"acts on bodies that the supports hold{when}, and moves nothing", f"a place beside them{finer}"
+            )
 
 
 def _spanned(row: FloatArray, supports: FloatArray) -> bool:

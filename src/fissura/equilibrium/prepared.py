@@ -74,18 +74,30 @@ class PreparedSecant:
             self._exact = True
         return self.unit
 
-    def prepare(self, response: Response, load: float) -> None:
-        """Prepare for the damage of a state near equilibrium with a load.
-
-        Damage is such that secant stiffness times displacements are the internal forces: the displacements under the
-        unit load are known without solving.
+    def dead(self, history: FloatArray) -> FloatArray:
+        """Displacements under the forces that are kept with given damage, (6 n,); there must be some.
 
         Raises
         ------
         SingularMatrixError
             The structure is a mechanism.
         """
-        if load == 0.0 or not np.isfinite(load):
+        self._factor(history)
+        assert self._system.dead is not None
+        return self._solver.solve(self._system.dead)
+
+    def prepare(self, response: Response, load: float) -> None:
+        """Prepare for the damage of a state near equilibrium with a load.
+
+        Damage is such that secant stiffness times displacements are the internal forces: where no other loads act, the
+        displacements under the unit load are known without solving.
+
+        Raises
+        ------
+        SingularMatrixError
+            The structure is a mechanism.
+        """
+        if load == 0.0 or not np.isfinite(load) or self._system.dead is not None:
             self.solve(response.history)
             return
         self._factor(response.history)

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from fissura.specimen import Conditions
+    from collections.abc import Sequence
+
+    from fissura.specimen import Conditions, Functional
     from fissura.tessellation import Tessellation
 
 __all__ = ["Carried", "Reactions", "carried", "reactions"]
@@ -27,27 +29,29 @@ class Reactions:
     each : (s, 6) array
         Force [N] and moment about the middle of its place [N m] of every support.
     rest : (6,) array
-        Force [N], and moment about the middle of the load's place [N m], that load and reactions leave out of balance:
-        zero but for the error of equilibrium.
+        Force [N], and moment about the middle of the load's place [N m], that loads and reactions leave out of
+        balance: zero but for the error of equilibrium.
     """
 
     each: FloatArray
     rest: FloatArray
 
 
-def reactions(conditions: Conditions, sizes: FloatArray, load: float) -> Reactions:
+def reactions(conditions: Conditions, sizes: FloatArray, loads: Sequence[Functional], forces: FloatArray) -> Reactions:
     """Resultants of the forces of supports.
 
     Parameters
     ----------
     conditions : Conditions
-        Supports and load.
+        Supports.
     sizes : (r,) array
         Force of every functional of the supports [N].
-    load : float
-        Load [N].
+    loads : sequence of Functional
+        Unit loads.
+    forces : (L,) array
+        Their sizes [N].
     """
-    forces = np.array([f.coefficients.sum(axis=0) for f in conditions.supports]).reshape(-1, 3)
+    resultants = np.array([f.coefficients.sum(axis=0) for f in conditions.supports]).reshape(-1, 3)
     middles = np.array([place.middle for place in conditions.held]).reshape(-1, 3)
     owner = np.repeat(np.arange(len(conditions.held)), [place.functionals for place in conditions.held])
     moments = np.array(
@@ -57,11 +61,12 @@ def reactions(conditions: Conditions, sizes: FloatArray, load: float) -> Reactio
         ]
     ).reshape(-1, 3)
     each = np.zeros((len(middles), 6))
-    np.add.at(each, owner, sizes[:, None] * np.hstack([forces, moments]))
-    of_load = load * conditions.load.coefficients
-    arms = conditions.load.points - conditions.load.middle
-    rest = each.sum(axis=0) + np.hstack([of_load.sum(axis=0), np.cross(arms, of_load).sum(axis=0)])
-    rest[3:] += np.cross(middles - conditions.load.middle, each[:, :3]).sum(axis=0)
+    np.add.at(each, owner, sizes[:, None] * np.hstack([resultants, moments]))
+    middle, rest = conditions.middle, each.sum(axis=0)
+    for load, force in zip(loads, forces, strict=True):
+        acting = force * load.coefficients
+        rest += np.hstack([acting.sum(axis=0), np.cross(load.points - middle, acting).sum(axis=0)])
+    rest[3:] += np.cross(middles - middle, each[:, :3]).sum(axis=0)
     return Reactions(each, rest)
 
 
@@ -72,7 +77,7 @@ class Carried:
     Attributes
     ----------
     places : tuple of (k,) arrays
-        Contacts at the load, and at every support.
+        Contacts at every load, and at every support.
     everywhere : (k,) array
         All of them.
     """
@@ -81,7 +86,7 @@ class Carried:
     everywhere: IntArray
 
     def sums(self, values: FloatArray) -> FloatArray:
-        """Sums of values of contacts, (m,) -> (1 + s + 1,): at the load, at every support, and at all of them."""
+        """Sums of values of contacts, (m,) -> (L + s + 1,): at loads, at supports, and at all of them."""
         return np.array([values[contacts].sum() for contacts in (*self.places, self.everywhere)])
 
 
@@ -93,7 +98,7 @@ def carried(tessellation: Tessellation, bodies: list[IntArray]) -> Carried:
     tessellation : Tessellation
         Bodies and contacts.
     bodies : list of (k,) arrays
-        Bodies on which the load acts, and every support.
+        Bodies on which each load and each support acts.
     """
     found = []
     for some in bodies:

@@ -22,9 +22,9 @@ from fissura.contact import (
     kinematics,
     nodal_forces,
 )
+from fissura.equilibrium.acting import Acting
 from fissura.equilibrium.active import changes, put_rows
 from fissura.equilibrium.assembly import Pattern, add_spin, assemble, assemble_secant, pattern
-from fissura.equilibrium.attach import attach, attach_rows, owners_of
 from fissura.equilibrium.krylov import dot
 from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.prepared import PreparedSecant
@@ -33,7 +33,7 @@ from fissura.equilibrium.symmetric import SymmetricSolver
 from fissura.equilibrium.team import ALONE, Team
 from fissura.errors import InputError
 from fissura.material import Material, Materials, Regions
-from fissura.specimen import Conditions
+from fissura.specimen import Conditions, Drive
 from fissura.tessellation import Tessellation
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ class System:
     law : type
         Contact law of fine contacts.
     conditions : Conditions
-        Supports, load and controlled quantity.
+        Supports, loads, gauges, and what is driven: at first as in the last stage, without other loads.
     linear : str
         Linear solver, see :class:`SymmetricSolver`.
     elastic : Regions
@@ -127,6 +127,12 @@ class System:
         Contacts that are not fine.
     elastic_scale : float
         Factor on the stiffness of coarse contacts; 1 unless made by :meth:`scaled`.
+    acting : Acting
+        Loads, supports and gauges on the bodies.
+    drive, kept : Drive, (L,) array
+        What is driven, and forces of loads that act besides [N]; see :meth:`driven`.
+    by_force : bool
+        Whether the load factor is controlled, and no displacement.
     """
 
     def __init__(
@@ -170,19 +176,9 @@ class System:
         self._strength: FloatArray = several.strength(kinds)
         self._stiffest = float(self._elastic[:, 0].max())
         self.moduli = self._moduli(1.0)
-        self.load: FloatArray = attach(conditions.load, tessellation).ravel()
-        self.control: FloatArray = attach(conditions.control, tessellation).ravel()
-        #: Coefficients of the gauge, whatever is controlled; None where there is none.
-        self.gauge: FloatArray | None = None
-        if conditions.gauge is not None:
-            self.gauge = attach(conditions.gauge, tessellation).ravel()
-
         self.conditions = conditions
-        # Places and owners of external forces, for the stress in bodies.
-        self._acting = (conditions.load, *conditions.supports)
-        self._acting_points = np.concatenate([functional.points for functional in self._acting])
-        self._acting_bodies = owners_of(self._acting, tessellation)
-        rows = attach_rows(conditions.supports, tessellation, self._acting_bodies[len(conditions.load.points) :])
+        self.acting = Acting.on(conditions, tessellation)
+        rows = self.acting.support_rows
         self.support_dofs: IntArray = np.unique(rows.indices).astype(np.int64)
         self.support_rows: FloatArray = rows[:, self.support_dofs].toarray()
         self.support_stiffness: FloatArray = self._support_stiffness(rows)
@@ -191,6 +187,7 @@ class System:
         self.symmetric = SymmetricSolver(self.pattern, tessellation.x, linear, team)
         self.team = team
         self.prepared = PreparedSecant(self, self.symmetric)
+        self._set_drive(conditions.main, np.zeros(len(conditions.load_names)))
         # Moments count as forces at the arm of half a contact.
         arm = 0.5 * float(np.median(contacts.length))
         self.weights: FloatArray = np.tile(np.repeat([1.0, 1.0 / arm], 3), len(tessellation))
@@ -227,6 +224,46 @@ class System:
         other.moduli = other._moduli(elastic_scale)
         other.prepared = PreparedSecant(other, self.symmetric)
         return other
+
+    def driven(self, drive: Drive, kept: FloatArray) -> System:
+        """The same equations with other loads driven; everything else is shared.
+
+        Parameters
+        ----------
+        drive : Drive
+            What is driven and controlled.
+        kept : (L,) array
+            Forces of all loads that act besides [N].
+        """
+        other = copy(self)
+        other._set_drive(drive, kept)
+        other.prepared = PreparedSecant(other, self.symmetric)
+        return other
+
+    def _set_drive(self, drive: Drive, kept: FloatArray) -> None:
+        acting = self.acting
+        self.drive, self.kept = drive, kept
+        #: Forces per unit of the load factor, (6 n,).
+        self.load: FloatArray = np.asarray(drive.ratios @ acting.load_rows)
+        #: Forces that are kept, (6 n,); None where there are none.
+        self.dead: FloatArray | None = np.asarray(kept @ acting.load_rows) if kept.any() else None
+        #: Coefficients of the displacement that is controlled, or where the load factor is, watched.
+        self.control: FloatArray = self.load
+        if drive.gauge is not None and drive.quantity != "displacement":
+            self.control = acting.gauge_rows[[drive.gauge]].toarray().ravel()
+        self.by_force = drive.quantity == "force"
+
+    def value(self, u: FloatArray, load: float) -> float:
+        """Value of the controlled quantity [m or N] for displacements, (6 n,), and a load factor."""
+        return load if self.by_force else dot(self.control, u)
+
+    def forces(self, load: float) -> FloatArray:
+        """Sizes of all loads under a load factor [N], shape (L,)."""
+        return np.asarray(self.kept + load * self.drive.ratios)
+
+    def external(self, load: float) -> FloatArray:
+        """Forces of all loads under a load factor, (6 n,)."""
+        return load * self.load if self.dead is None else load * self.load + self.dead
 
     def _support_stiffness(self, rows: csr_array) -> FloatArray:
         """Stiffness of the functionals of supports [N/m], shape (r,): it goes with the bodies that one holds.
@@ -434,17 +471,17 @@ class System:
         return forces
 
     def reactions(self, response: Response, load: float) -> Reactions:
-        """Reactions of the supports, and what they and the load [N] leave out of balance."""
-        return reactions(self.conditions, self.support_forces(response), load)
+        """Reactions of the supports, and what they and all loads leave out of balance under a load factor."""
+        return reactions(self.conditions, self.support_forces(response), self.acting.loads, self.forces(load))
 
     @cached_property
     def carried(self) -> Carried:
-        """Contacts of the bodies on which the load and the supports act."""
-        sizes = [len(functional.points) for functional in self._acting]
-        bodies = np.split(self._acting_bodies, np.cumsum(sizes)[:-1])
-        ends = np.cumsum([1, *(held.functionals for held in self.conditions.held)])
+        """Contacts of the bodies on which loads and supports act; the weight, which acts on all, is left out."""
+        loads, bodies = len(self.conditions.loads), self.acting.bodies
+        first = len(self.acting.loads)
+        ends = first + np.cumsum([0, *(held.functionals for held in self.conditions.held)])
         supports = [np.concatenate(bodies[a:b]) for a, b in pairwise(ends)]
-        return carried(self.tessellation, [bodies[0], *supports])
+        return carried(self.tessellation, [*bodies[:loads], *supports])
 
     def largest_utilisation(self, response: Response) -> float:
         """Largest effective traction over strength of all contacts, as if none were damaged."""
@@ -452,17 +489,9 @@ class System:
         return max(float(active.max(initial=0.0)), float(self.elastic_utilisation(response).max(initial=0.0)))
 
     def stress(self, response: Response, load: float) -> FloatArray:
-        """Stress in bodies [Pa], with the forces of load and supports at their points; shape (n, 3, 3)."""
-        sizes = (load, *self.support_forces(response))
-        forces = np.concatenate([f.coefficients * size for f, size in zip(self._acting, sizes, strict=True)])
-        return body_stress(
-            self.tessellation,
-            self.geometry.frame,
-            response.traction,
-            self._acting_bodies,
-            self._acting_points,
-            forces,
-        )
+        """Stress in bodies [Pa], with the forces of loads and supports at their points; shape (n, 3, 3)."""
+        external = self.acting.points_and_forces(self.forces(load), self.support_forces(response))
+        return body_stress(self.tessellation, self.geometry.frame, response.traction, *external)
 
     def elastic_share(self, solutions: FloatArray) -> float:
         """Part of the undamaged gauge compliance that is due to coarse contacts [m/N].

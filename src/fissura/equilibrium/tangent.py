@@ -135,7 +135,8 @@ class TangentSolver:
         unit, weights, load = secant.unit, system.weights, system.load
         chosen, change = system.changed(stiffness, secant.intact)
         a, b = constraint.vector, constraint.load_factor
-        reach = dot(a, unit)
+        # A prescribed load closes its gap alone.
+        reach, b = (b, 0.0) if constraint.by_force else (dot(a, unit), b)
         if not np.isfinite(reach) or reach == 0.0:
             raise SingularMatrixError("the load does not move what is controlled")
         off = secant.unit_forces - load

@@ -10,7 +10,7 @@ from fissura.errors import InputError, Notice
 from fissura.results.path import NAMES
 
 if TYPE_CHECKING:
-    from fissura.case import Case, Quantity
+    from fissura.case import Case, Gauge, Quantity
 
 __all__ = ["common_quantity", "comparison_notices"]
 
@@ -20,6 +20,8 @@ SPECIMEN = (
     "notch",
     "supports",
     "load",
+    "loads",
+    "gravity",
     "material",
     "materials",
     "field",
@@ -55,9 +57,9 @@ def common_quantity(a: Case, b: Case, key: str) -> Quantity:
     """
     if a.quantity == b.quantity:
         return a.quantity
-    if a.gauge is not None and b.gauge is not None and not _different(_plain(a.gauge), _plain(b.gauge)):
+    if _gauge(a) is not None and _gauge(b) is not None and not _different(_plain(_gauge(a)), _plain(_gauge(b))):
         return "gauge"
-    if not _different(_plain(a.load), _plain(b.load)):
+    if not _different(_driven(a), _driven(b)):
         return "displacement"
     raise InputError(
         key,
@@ -93,7 +95,7 @@ def comparison_notices(a: Case, b: Case, quantity: Quantity) -> tuple[Notice, ..
                 " specimen tells",
             )
         )
-    gauges = _different(_plain(a.gauge), _plain(b.gauge), "gauge")
+    gauges = _different(_plain(_gauge(a)), _plain(_gauge(b)), "gauge")
     if quantity == "gauge" and gauges:
         found.append(
             Notice(
@@ -114,8 +116,21 @@ def comparison_notices(a: Case, b: Case, quantity: Quantity) -> tuple[Notice, ..
     return tuple(found)
 
 
+def _gauge(case: Case) -> Gauge | None:
+    """The gauge of the last stage."""
+    return next((gauge.part for gauge in case.named_gauges if gauge.name == case.main.gauge), None)
+
+
+def _driven(case: Case) -> Any:
+    """The loads that the last stage drives, as plain data with their ratios."""
+    loads = {load.name: load.part for load in case.named_loads}
+    return [{"ratio": ratio, "load": _plain(loads.get(name, name))} for name, ratio in case.main.ratios]
+
+
 def _plain(part: Any) -> Any:
     """A part of a case as plain data."""
+    if isinstance(part, dict):
+        return {name: _plain(item) for name, item in part.items()}
     if isinstance(part, tuple):
         return [_plain(item) for item in part]
     return part.model_dump(mode="json") if hasattr(part, "model_dump") else part

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.case.files import read_text
+from fissura.case.programme import GRAVITY
 from fissura.errors import InputError
 from fissura.files import force
 
 if TYPE_CHECKING:
-    from fissura.case import Quantity
+    from fissura.case import Case, Quantity
     from fissura.step import Step
 
 __all__ = [
@@ -27,10 +28,10 @@ __all__ = [
     "CurveWriter",
     "GrowingCurve",
     "Row",
+    "case_columns",
     "columns",
     "read_curve",
     "row",
-    "support_columns",
 ]
 
 #: Largest curve that is read: a million steps have some 300 MB.
@@ -66,6 +67,7 @@ COLUMNS: tuple[str, ...] = (
     "cpu_s",
     "wall_s",
     "control",
+    "stage",
 )
 """Columns of every ``curve.csv`` in order; the part after the last underscore is the unit, if there is one."""
 
@@ -73,6 +75,15 @@ REACTION: tuple[str, ...] = tuple(
     f"{kind}_{axis}_{unit}" for kind, unit in (("force", "N"), ("moment", "Nm")) for axis in "xyz"
 )
 """Parts of the reaction of a support."""
+
+LOAD = "load"
+"""Name of the load that needs none: its force and displacement are columns of every curve."""
+
+NAMED: tuple[str, ...] = ("force_{}_N", "displacement_{}_m")
+"""Columns of a load that has a name."""
+
+ENERGY_AT = "dissipated_at_{}_J"
+"""Column of the energy at a place."""
 
 COLUMN_OF: dict[Quantity, str] = {"gauge": "gauge_m", "displacement": "load_displacement_m"}
 """Column of each quantity that may be controlled."""
@@ -87,6 +98,7 @@ COUNTS = frozenset(
         "iterations",
         "linear_iterations",
         "factorizations",
+        "stage",
     }
 )
 """Columns of whole numbers."""
@@ -101,6 +113,7 @@ LATER = frozenset(
         "dissipated_at_places_J",
         "exchanged_J",
         "linear_iterations",
+        "stage",
         "unbalanced_N",
         "unbalanced_Nm",
     }
@@ -108,10 +121,30 @@ LATER = frozenset(
 """Columns that the first files did not have."""
 
 
-def support_columns(supports: int) -> tuple[str, ...]:
-    """Columns that follow those of `COLUMNS`, for a number of supports: energies at the places, and reactions."""
+def case_columns(case: Case) -> tuple[str, ...]:
+    """Columns that follow those of `COLUMNS` in a case.
+
+    They are force and displacement of every load, and every gauge, that has a name of its own; energies at the places;
+    reactions.
+    """
+    loads = [load.name for load in case.named_loads]
+    weight = [] if case.gravity is None else [GRAVITY]
+    named = (*_load_columns([*loads, *weight]), *_gauge_columns([gauge.name for gauge in case.named_gauges]))
+    return (*named, *_place_columns(loads, len(case.supports)))
+
+
+def _load_columns(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(column.format(name) for name in names if name != LOAD for column in NAMED)
+
+
+def _gauge_columns(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(f"gauge_{name}_m" for name in names if name != "gauge")
+
+
+def _place_columns(loads: Iterable[str], supports: int) -> tuple[str, ...]:
     names = [f"support_{k}" for k in range(supports)]
-    energies = [f"dissipated_at_{name}_J" for name in ("load", *names)]
+    energies = [ENERGY_AT.format(LOAD if name == LOAD else f"load_{name}") for name in loads]
+    energies += [ENERGY_AT.format(name) for name in names]
     return (*energies, *(f"{name}_{part}" for name in names for part in REACTION))
 
 
@@ -128,11 +161,18 @@ def row(step: Step, cpu_s: float, wall_s: float) -> Row:
     Returns
     -------
     dict
-        Value of every column of `COLUMNS` and of `support_columns`.
+        Value of every column of `COLUMNS` and of `case_columns`.
     """
     *at, at_all = step.dissipated_at.tolist()
     force, moment = (float(np.linalg.norm(part)) for part in (step.rest[:3], step.rest[3:]))
-    more = dict(zip(support_columns(len(step.reactions)), [*at, *step.reactions.ravel().tolist()], strict=True))
+    more: Row = {}
+    for name in step.forces:
+        if name != LOAD:
+            of_load = (step.forces[name], step.displacements[name])
+            more |= zip((column.format(name) for column in NAMED), of_load, strict=True)
+    more |= zip(_gauge_columns(step.gauges), (v for name, v in step.gauges.items() if name != "gauge"), strict=True)
+    places = _place_columns([name for name in step.forces if name != GRAVITY], len(step.reactions))
+    more |= zip(places, [*at, *step.reactions.ravel().tolist()], strict=True)
     return {
         "step": step.number,
         "gauge_m": step.gauge,
@@ -157,6 +197,7 @@ def row(step: Step, cpu_s: float, wall_s: float) -> Row:
         "cpu_s": cpu_s,
         "wall_s": wall_s,
         "control": step.control,
+        "stage": step.stage,
         **more,
     }
 

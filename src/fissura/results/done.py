@@ -14,8 +14,9 @@ __all__ = ["Done"]
 class Done:
     """Share of a run that is done: the largest so far of two, for a run ends by either.
 
-    One is the share of the target that the controlled quantity has reached. The other, where dissipated energy leads by
-    choice or ``stop_load`` is above 0, is the share of the load's fall from its peak to ``stop_load``.
+    One is the share of the ways to the targets that the controlled quantity has gone. The other, where there is one
+    target, and dissipated energy leads by choice or ``stop_load`` is above 0, is the share of the load's fall from its
+    peak to ``stop_load``.
 
     Parameters
     ----------
@@ -24,8 +25,9 @@ class Done:
     """
 
     def __init__(self, case: Case) -> None:
-        self._target, self._stop_load = case.control.target, case.control.stop_load
-        self._by_load = case.control.type == "dissipation" or self._stop_load > 0.0
+        main = case.main
+        self._stop_load = main.stop_load
+        self._by_load = len(case.stages) == len(main.targets) == 1 and (main.energy or main.stop_load > 0.0)
         self.peak = 0.0
         self.share = 0.0
 
@@ -41,7 +43,7 @@ class Done:
         """
         load = abs(step.load)
         self.peak = max(self.peak, load)
-        shares = [self.share, step.controlled / self._target]
+        shares = [self.share, step.done]
         if self._by_load and load < self.peak:
             lost, all_of_it = 1.0 - load / self.peak, 1.0 - self._stop_load
             shares.append(lost / all_of_it if lost < all_of_it else 1.0)

@@ -62,7 +62,7 @@ def plot_curve(result: Result, path: Path) -> None:
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.add_subplot()
     measured = result.case.output.measured
-    quantity = result.case.quantity if measured is None or result.case.gauge is None else "gauge"
+    quantity = result.case.quantity if measured is None or result.case.main.gauge is None else "gauge"
     gauge, load = result.values_of(quantity), result.load_values
     x_scale, x_unit = gauge_unit(float(np.abs(gauge).max()))
     y_scale, y_unit = load_unit(float(np.abs(load).max()))

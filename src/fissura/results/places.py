@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from fissura.errors import Notice
 from fissura.results.curve import Curve
@@ -14,6 +15,10 @@ MOST = 0.5
 """Share of the dissipated energy from which on a specimen broke at the places of load and supports."""
 
 
+ALL = "dissipated_at_places_J"
+"""Column of the energy at all places."""
+
+
 def torn_at_places(curve: Curve) -> list[Notice]:
     """Whether most of the energy was dissipated by contacts of the bodies on which the load or the supports act.
 
@@ -22,17 +27,16 @@ def torn_at_places(curve: Curve) -> list[Notice]:
     Parameters
     ----------
     curve : Curve
-        Curve of a run; see `fissura.results.curve.support_columns`.
+        Curve of a run; see `fissura.results.curve.case_columns`.
     """
-    column = "dissipated_at_{}_J"
-    if column.format("load") not in curve or not len(curve["step"]):
+    column = re.compile(r"dissipated_at_(load|support)(?:_(.+))?_J")
+    keys = {name: _key(*found.groups()) for name in curve if name != ALL and (found := column.fullmatch(name))}
+    if not keys or not len(curve["step"]):
         return []
     dissipated, work = (abs(float(curve[name][-1])) for name in ("dissipated_J", "work_J"))
-    everywhere = float(curve["dissipated_at_places_J"][-1])
+    everywhere = float(curve[ALL][-1])
     if dissipated <= ROUND_OFF * work or everywhere <= MOST * dissipated:
         return []
-    supports = [name for name in curve if name.startswith("dissipated_at_support_")]
-    keys = {column.format("load"): "load"} | {name: f"supports[{k}]" for k, name in enumerate(supports)}
     shares = {key: float(curve[name][-1]) / dissipated for name, key in keys.items()}
     ordered = sorted(shares, key=lambda key: -shares[key])
     told = ", ".join(f"{100 * shares[key]:.0f} % at {key}" for key in ordered if shares[key] >= 0.005)
@@ -45,3 +49,10 @@ def torn_at_places(curve: Curve) -> list[Notice]:
             "a wider place, or a zone without damage around it (material.elastic)",
         )
     ]
+
+
+def _key(kind: str, name: str | None) -> str:
+    """Where the case has a place."""
+    if name is None:
+        return kind
+    return f"supports[{name}]" if kind == "support" else f"loads.{name}"

@@ -11,7 +11,7 @@ from fissura.errors import InputError
 from fissura.files import write_atomically, write_json
 from fissura.folder import Folder
 from fissura.interrupts import shielded
-from fissura.results.curve import COLUMNS, CurveWriter, GrowingCurve, row, support_columns
+from fissura.results.curve import COLUMNS, CurveWriter, GrowingCurve, case_columns, row
 from fissura.results.done import Done
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.result import Result
@@ -196,7 +196,7 @@ class Recorder:
         if isinstance(source, str):
             write_atomically(self._own("case.toml"), source.encode(errors="replace"))
         write_json(self._own("case.json"), case.model_dump(mode="json", exclude={"source"}))
-        return CurveWriter(self._own("curve.csv"), (*COLUMNS, *support_columns(len(case.supports))))
+        return CurveWriter(self._own("curve.csv"), (*COLUMNS, *case_columns(case)))
 
     def _own(self, *names: str) -> Path:
         """Path of a file, the first one of some, that is about to be written."""

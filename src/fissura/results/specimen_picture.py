@@ -164,16 +164,19 @@ def _conditions(axes: Axes, simulation: Simulation, look: FloatArray, size: floa
         _points(axes, place_from_part(part, domain, l_f, f"supports[{k}]"), look, MARKERS[part.type], SUPPORT)
     for kind in dict.fromkeys(part.type for part in case.supports):
         entries.append((Line2D([], [], marker=MARKERS[kind], ls="", ms=7, color=SUPPORT), f"support, {kind}"))
-    place = place_from_part(case.load, domain, l_f, "load")
-    _arrows(axes, place, load_direction(case.load, place), look, size)
-    entries.append((Line2D([], [], marker=r"$\rightarrow$", ls="", ms=13, color=LOAD), "load"))
-    if case.gauge is not None:
+    for load in case.named_loads:
+        place = place_from_part(load.part, domain, l_f, load.key)
+        _arrows(axes, place, load_direction(load.part, place, load.key), look, size)
+    if case.named_loads:
+        entries.append((Line2D([], [], marker=r"$\rightarrow$", ls="", ms=13, color=LOAD), "load"))
+    for gauge in case.named_gauges:
         middles = []
         for name in ("a", "b"):
-            place = place_from_part(getattr(case.gauge, name), domain, l_f, f"gauge.{name}")
+            place = place_from_part(getattr(gauge.part, name), domain, l_f, f"{gauge.key}.{name}")
             _points(axes, place, look, "o", GAUGE, size=3.0)
             middles.append(1e3 * look[:2] @ place.centroid)
         axes.add_collection(LineCollection([np.array(middles)], colors=GAUGE, linewidths=1.2, zorder=16))
+    if case.named_gauges:
         entries.append((Line2D([], [], marker="o", ms=4, lw=1.2, color=GAUGE), "gauge, from a to b"))
     return entries
 

@@ -52,7 +52,7 @@ class Symbol:
 
 
 def symbols(case: Case) -> list[Symbol]:
-    """Symbols of a case's supports, load and gauge; places on the front and the back have none.
+    """Symbols of a case's supports, loads and gauges; places on the front and the back have none.
 
     A pin is a triangle, a roller a triangle on a line, a clamp a hatched line, the load arrows, a gauge two dots.
     """
@@ -65,11 +65,12 @@ def symbols(case: Case) -> list[Symbol]:
         place = place_from_part(part, domain, l_f, f"supports[{k}]")
         if _outward(place) is not None:
             found += _support(part.type, place, size, max(length, depth))
-    place = place_from_part(case.load, domain, l_f, "load")
-    found += _load(place, load_direction(case.load, place)[:2], size, max(length, depth))
-    if case.gauge is not None:
+    for load in case.named_loads:
+        place = place_from_part(load.part, domain, l_f, load.key)
+        found += _load(place, load_direction(load.part, place, load.key)[:2], size, max(length, depth))
+    for gauge in case.named_gauges:
         for name in ("a", "b"):
-            place = place_from_part(getattr(case.gauge, name), domain, l_f, f"gauge.{name}")
+            place = place_from_part(getattr(gauge.part, name), domain, l_f, f"{gauge.key}.{name}")
             found.append(_gauge(place, size))
     return found
 

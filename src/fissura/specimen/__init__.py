@@ -2,7 +2,7 @@
 
 from fissura.specimen.build import SHAPES, domain_from_case
 from fissura.specimen.complex import Complex
-from fissura.specimen.conditions import Conditions, Functional, conditions_from_case, load_direction
+from fissura.specimen.conditions import Conditions, Drive, Functional, Weight, conditions_from_case, load_direction
 from fissura.specimen.domain import Domain, SurfacePart
 from fissura.specimen.edges import edge_notices
 from fissura.specimen.gauge import backward_gauge, gauge_notices
@@ -16,11 +16,13 @@ __all__ = [
     "Complex",
     "Conditions",
     "Domain",
+    "Drive",
     "Functional",
     "Notch",
     "Place",
     "Solid",
     "SurfacePart",
+    "Weight",
     "backward_gauge",
     "conditions_from_case",
     "domain_from_case",

@@ -1,4 +1,4 @@
-"""Supports, load and gauge as weighted sums of point displacements (theory section 6).
+"""Supports, loads and gauges as weighted sums of point displacements (theory section 6).
 
 They belong to the specimen, never to bodies: a :class:`Functional` knows points and coefficients only, and is
 attached to whichever bodies own its points in a discretization.
@@ -6,23 +6,33 @@ attached to whichever bodies own its points in a discretization.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.case.programme import GRAVITY
 from fissura.errors import InputError
 from fissura.specimen.place import Place, place_from_part
 from fissura.specimen.surface import ON_SURFACE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
-    from fissura.case import Case, Gauge, Load
+    from fissura.case import Case, Gauge, Load, LoadingStage
     from fissura.specimen.domain import Domain
 
-__all__ = ["SUPPORTS", "Conditions", "Functional", "Held", "conditions_from_case", "load_direction"]
+__all__ = [
+    "SUPPORTS",
+    "Conditions",
+    "Drive",
+    "Functional",
+    "Held",
+    "Weight",
+    "conditions_from_case",
+    "load_direction",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -78,6 +88,41 @@ class Held:
 
 
 @dataclass(frozen=True)
+class Weight:
+    """The weight of the specimen: a load that acts on all of its volume.
+
+    Attributes
+    ----------
+    direction : (3,) array
+        Unit vector.
+    size : float
+        Force [N].
+    """
+
+    direction: FloatArray
+    size: float
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What a stage drives, and what it controls.
+
+    Attributes
+    ----------
+    ratios : (L,) array
+        Force of every load per unit of the load factor.
+    quantity : str
+        "gauge", "displacement" of the loads, or "force", the load factor itself.
+    gauge : int or None
+        Which gauge, where one is controlled or watched.
+    """
+
+    ratios: FloatArray
+    quantity: str
+    gauge: int | None
+
+
+@dataclass(frozen=True)
 class Conditions:
     """Boundary conditions and measurements of a test.
 
@@ -85,24 +130,58 @@ class Conditions:
     ----------
     supports : tuple of Functional
         Each is held at zero; those of the first support come first.
-    load : Functional
-        Distribution of the unit load; as a functional, the mean displacement along the load.
-    control : Functional
-        The controlled quantity: the gauge, or the displacement of the load.
-    gauge : Functional or None
-        The gauge, whatever is controlled; None where there is none.
+    loads : tuple of Functional
+        Distributions of unit loads; as functionals, mean displacements along the loads. The weight is not among them.
+    load_names, load_keys : tuple of str
+        Names of all L loads, the weight last, and where the case has them.
+    gauges : tuple of Functional
+        Gauges.
+    gauge_names, gauge_keys : tuple of str
+        Their names, and where the case has them.
+    drives : tuple of Drive
+        What each stage drives.
     held : tuple of Held
         The supports, to whom `supports` belong in this order.
     pulls : bool
-        Whether the load points out of the specimen.
+        Whether the load of the last stage points out of the specimen.
+    weight : Weight or None
+        The weight, where there is gravity.
     """
 
     supports: tuple[Functional, ...]
-    load: Functional
-    control: Functional
-    gauge: Functional | None = None
+    loads: tuple[Functional, ...]
+    load_names: tuple[str, ...]
+    load_keys: tuple[str, ...]
+    gauges: tuple[Functional, ...]
+    gauge_names: tuple[str, ...]
+    gauge_keys: tuple[str, ...]
+    drives: tuple[Drive, ...]
     held: tuple[Held, ...] = ()
     pulls: bool = False
+    weight: Weight | None = None
+
+    @classmethod
+    def single(cls, supports: tuple[Functional, ...], load: Functional) -> Conditions:
+        """A single load, whose displacement is controlled."""
+        drive = Drive(np.ones(1), "displacement", None)
+        return cls(supports, (load,), ("load",), ("load",), (), (), (), (drive,))
+
+    @property
+    def main(self) -> Drive:
+        """What the last stage drives; where it controls the load factor, with the quantity that it is told over."""
+        last = self.drives[-1]
+        if last.quantity != "force":
+            return last
+        return replace(last, quantity="displacement" if last.gauge is None else "gauge")
+
+    @property
+    def middle(self) -> FloatArray:
+        """Point about which moments are told, shape (3,) [m]: the middle of the first load of the last stage.
+
+        The first support's where that is the weight.
+        """
+        driven = [k for k in np.flatnonzero(self.main.ratios) if k < len(self.loads)]
+        return self.loads[driven[0]].middle if driven else self.held[0].middle
 
 
 def _mean(place: Place, direction: FloatArray) -> Functional:
@@ -186,7 +265,7 @@ def _check_stability(supports: list[Functional], centre: FloatArray, size: float
 
 
 def conditions_from_case(case: Case, domain: Domain) -> Conditions:
-    """Place supports, load and gauge of a case on its specimen.
+    """Place supports, loads and gauges of a case on its specimen.
 
     Raises
     ------
@@ -206,20 +285,47 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
         held.append(Held(place.centroid, len(rows)))
     _check_stability(supports, domain.bounds.mean(axis=0), float(domain.size.max()))
 
-    place = place_from_part(case.load, domain, l_f, "load")
-    outward, direction = place.outward, load_direction(case.load, place)
-    load = _mean(place, direction)
-    pulls = outward is not None and float(direction @ outward) > 0.0
+    loads, pulls = [], []
+    for load in case.named_loads:
+        place = place_from_part(load.part, domain, l_f, load.key)
+        outward, direction = place.outward, load_direction(load.part, place, load.key)
+        loads.append(_mean(place, direction))
+        pulls.append(outward is not None and float(direction @ outward) > 0.0)
+    names = [load.name for load in case.named_loads]
+    keys = [load.key for load in case.named_loads]
+    weight = None
+    if case.gravity is not None:
+        names, keys = [*names, GRAVITY], [*keys, GRAVITY]
+        size = case.gravity.density * case.gravity.acceleration * domain.volume
+        weight = Weight(np.asarray(case.gravity.direction, float), size)
+        pulls.append(False)
+    gauges = case.named_gauges
+    gauge_names = tuple(gauge.name for gauge in gauges)
+    drives = tuple(_drive(stage, names, gauge_names) for stage in case.stages)
+    return Conditions(
+        tuple(supports),
+        tuple(loads),
+        tuple(names),
+        tuple(keys),
+        tuple(_gauge(gauge.part, domain, l_f, gauge.key) for gauge in gauges),
+        gauge_names,
+        tuple(gauge.key for gauge in gauges),
+        drives,
+        tuple(held),
+        pulls[int(np.argmax(drives[-1].ratios != 0.0))],
+        weight,
+    )
 
-    gauge = None if case.gauge is None else _gauge(case.gauge, domain, l_f)
-    if case.quantity == "displacement":
-        return Conditions(tuple(supports), load, load, gauge, tuple(held), pulls)
-    if gauge is None:
-        raise InputError("gauge", "is missing, but control.type is 'gauge'", "a table [gauge] with a and b")
-    return Conditions(tuple(supports), load, gauge, gauge, tuple(held), pulls)
+
+def _drive(stage: LoadingStage, loads: Sequence[str], gauges: Sequence[str]) -> Drive:
+    """What a stage drives, by position among all loads and gauges."""
+    ratios = np.zeros(len(loads))
+    for name, ratio in stage.ratios:
+        ratios[loads.index(name)] = ratio
+    return Drive(ratios, stage.quantity, None if stage.gauge is None else gauges.index(stage.gauge))
 
 
-def load_direction(part: Load, place: Place) -> FloatArray:
+def load_direction(part: Load, place: Place, key: str = "load") -> FloatArray:
     """Unit vector (3,) along the load: as the case says, or into the specimen.
 
     Raises
@@ -233,20 +339,21 @@ def load_direction(part: Load, place: Place) -> FloatArray:
     if place.outward is not None:
         return -place.outward
     problem = "missing, and the place of the load faces all ways"
-    raise InputError("load.direction", problem, "three numbers, the direction in which it pushes")
+    raise InputError(f"{key}.direction", problem, "three numbers, the direction in which it pushes")
 
 
-def _gauge(part: Gauge, domain: Domain, l_f: float) -> Functional:
+def _gauge(part: Gauge, domain: Domain, l_f: float, key: str) -> Functional:
     """Mean displacement of the place b minus that of a, along the gauge's direction."""
-    a = place_from_part(part.a, domain, l_f, "gauge.a")
-    b = place_from_part(part.b, domain, l_f, "gauge.b")
+    a = place_from_part(part.a, domain, l_f, f"{key}.a")
+    b = place_from_part(part.b, domain, l_f, f"{key}.b")
     near = 1e-3 * ON_SURFACE * domain.complex.extent
     if a.points.shape == b.points.shape and np.allclose(a.points, b.points, rtol=0.0, atol=near):
-        raise InputError("gauge.b", "is the same place as gauge.a", "another place")
+        raise InputError(f"{key}.b", f"is the same place as {key}.a", "another place")
     if part.direction is None:
         along = b.centroid - a.centroid
         if np.linalg.norm(along) <= near:
-            raise InputError("gauge.b", "lies at the same place as gauge.a", "another place, or a gauge.direction")
+            problem = f"lies at the same place as {key}.a"
+            raise InputError(f"{key}.b", problem, f"another place, or a {key}.direction")
     else:
         along = np.asarray(part.direction, float)
     along = along / np.linalg.norm(along)

@@ -34,7 +34,8 @@ def edge_notices(case: Case, domain: Domain) -> Iterator[Notice]:
     """
     l_f = case.discretization.l_f
     named: list[tuple[str, PatchPart]] = [(f"supports[{k}]", part) for k, part in enumerate(case.supports)]
-    for key, part in [*named, ("load", case.load)]:
+    named += [(load.key, load.part) for load in case.named_loads]
+    for key, part in named:
         distance = _distance(part, domain, l_f, key)
         if distance < l_f * (1.0 - _ROUND_OFF):
             yield Notice(

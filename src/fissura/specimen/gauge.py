@@ -28,22 +28,25 @@ def gauge_notices(domain: Domain, conditions: Conditions) -> tuple[Notice, ...]:
     conditions : Conditions
         Where the gauge is.
     """
-    gauge = conditions.gauge
-    if gauge is None or len(domain.notches) != 1:
+    if len(domain.notches) != 1:
         return ()
     (notch,) = domain.notches
-    beyond = notch.across(gauge.points)
-    opening = np.abs(gauge.coefficients @ notch.normal)
-    across = bool((opening > 1e-9 * np.linalg.norm(gauge.coefficients, axis=1).max()).any())
-    if not (np.all(beyond > 0.0) or np.all(beyond < 0.0)) or not across:
-        return ()
-    return (
-        Notice(
-            "gauge",
-            f"both ends lie on one side of the notch at {_place(notch)}, so it does not measure how the notch opens",
-            "place gauge.a and gauge.b on different sides of the notch",
-        ),
-    )
+    found = []
+    for key, gauge in zip(conditions.gauge_keys, conditions.gauges, strict=True):
+        beyond = notch.across(gauge.points)
+        opening = np.abs(gauge.coefficients @ notch.normal)
+        across = bool((opening > 1e-9 * np.linalg.norm(gauge.coefficients, axis=1).max()).any())
+        if not (np.all(beyond > 0.0) or np.all(beyond < 0.0)) or not across:
+            continue
+        where = _place(notch)
+        found.append(
+            Notice(
+                key,
+                f"both ends lie on one side of the notch at {where}, so it does not measure how the notch opens",
+                f"place {key}.a and {key}.b on different sides of the notch",
+            )
+        )
+    return tuple(found)
 
 
 def _place(notch: Notch) -> str:
@@ -69,18 +72,21 @@ def backward_gauge(conditions: Conditions, stiffness: float) -> InputError:
     InputError
         It names ``load.direction`` where that pulls the specimen outwards, else ``gauge.direction``.
     """
-    first = conditions.control.coefficients[0]  # of a point of b
+    gauge, main = conditions.main.gauge, conditions.main
+    assert gauge is not None
+    first = conditions.gauges[gauge].coefficients[0]  # of a point of b
     along = first / np.linalg.norm(first)
     turned = ", ".join(f"{-value + 0.0:.4g}" for value in along)
     problem = (
         f"the gauge gets smaller under the load (load over gauge is {stiffness:.3g} N/m at first), so it could only"
         " grow to control.target under a negative load"
     )
-    measure = f"gauge.direction = [{turned}] counts what it gets smaller by as positive"
+    key, load = conditions.gauge_keys[gauge], conditions.load_keys[int(np.argmax(main.ratios != 0.0))]
+    measure = f"{key}.direction = [{turned}] counts what it gets smaller by as positive"
     if conditions.pulls:
         return InputError(
-            "load.direction",
+            f"{load}.direction",
             f"it pulls the specimen outwards, and {problem}",
             f"without it the load presses into the specimen; if it is to pull, {measure}",
         )
-    return InputError("gauge.direction", problem, f"{measure}; if the specimen is to be pulled, turn load.direction")
+    return InputError(f"{key}.direction", problem, f"{measure}; if the specimen is to be pulled, turn {load}.direction")

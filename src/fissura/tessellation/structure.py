@@ -162,6 +162,19 @@ class Tessellation:
     pieces: IntArray | None = field(default=None, repr=False)
     cells: Cells | None = field(default=None, repr=False, compare=False)
 
+    @property
+    def centroids(self) -> FloatArray:
+        """Centroids of the bodies [m], shape (n, 3): each is made of cones from its nucleus to its facets."""
+        contacts, skin, x = self.contacts, self.surface, self.x
+        moment = np.zeros_like(x)
+        cone = (contacts.area * contacts.length / 6.0)[:, None]
+        for side in contacts.bodies.T:
+            np.add.at(moment, side, cone * (contacts.centroid - x[side]))
+        arm = skin.centroid - x[skin.body]
+        cone = (skin.area * np.einsum("ba,ba->b", skin.normal, arm) / 3.0)[:, None]
+        np.add.at(moment, skin.body, cone * arm)
+        return np.asarray(x + 0.75 * moment / self.volume[:, None])
+
     def inside(self, cell: int) -> IntArray | None:
         """Bodies with a piece in a convex cell of the specimen; None where all of it is one."""
         return None if self.pieces is None else self.pieces[self.pieces[:, 1] == cell, 0]
