@@ -24,6 +24,9 @@ from fissura.results.compare import compare_results
 
 ROOT = Path(__file__).resolve().parent.parent
 
+#: Variables that decide about threads; the page names those that were set.
+THREADS = ("FISSURA_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
+
 PAGE = """# Benchmarks
 
 Every table on this page was written by the script that is named above it; run the script again to renew it. Times are
@@ -91,7 +94,8 @@ def options(
     found = parser.parse_args()
     own = [action.dest for action in parser._actions if action.dest not in known]
     words = [word for name in ("cases", "seeds", *own) for word in _changed(parser, found, name)]
-    found.command = shlex.join(["python", f"benchmarks/{Path(sys.argv[0]).name}", *words])
+    threads = [f"{name}={os.environ[name]}" for name in THREADS if name in os.environ]
+    found.command = shlex.join([*threads, "python", f"benchmarks/{Path(sys.argv[0]).name}", *words])
     return found
 
 
