@@ -163,6 +163,16 @@ def test_ends():
     assert path.broken(0.009, 1.0)
 
 
+def test_a_load_that_passes_through_zero_beside_others_ends_nothing():
+    (stage,) = case_from_dict(BEAM, Path()).stages
+    for kept, ends in ((np.zeros(2), True), (np.array([5.0, 0.0]), False)):
+        path = PathFollower(replace(Leg.simple(stage), kept=kept), stage, ENERGY)
+        succeeded(path, 1, 1e-5, 5e-2, 1e-5)
+        assert path.failed(1.0)
+        assert path.goal(1e-5).in_energy
+        assert path.broken(0.009, 1.0) == ends
+
+
 # --- legs of a programme ---------------------------------------------------------------------------------------------
 
 

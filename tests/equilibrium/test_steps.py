@@ -48,6 +48,12 @@ def test_halving_stops_at_the_smallest():
     assert step.halved().halved() is None
 
 
+def test_no_step_is_shorter_than_the_smallest():
+    step = StepLength(8.0, 3.0, 1)
+    assert step.after(StepLength.HARD, 4.0).length == 4.0
+    assert step.halved() is None
+
+
 @settings(deadline=None, derandomize=True)
 @given(
     st.lists(st.integers(1, 20), max_size=300),

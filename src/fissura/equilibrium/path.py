@@ -58,7 +58,8 @@ _GROWING, _MOST_GROWING, _SOON = 3, 48, 10
 #: Share of the longest energy step that a step must dissipate for the energy to lead from the start of damage on.
 _DAMAGE_BEGINS = 0.25
 
-#: With energy in the lead a run ends at the latest when this share of the peak load is left.
+#: With energy in the lead a run ends at the latest when this share of the peak load is left; not beside other loads,
+#: which the specimen still bears when this one passes through zero.
 _BROKEN = 0.01
 
 
@@ -167,6 +168,7 @@ class PathFollower:
         self._always = stage.energy and not self._by_force and leg.loads
         self._may_switch = (self._always or stage.switch) and not self._by_force
         self._stop_load = stage.stop_load if leg.loads else 0.0
+        self._alone = not leg.kept.any()
         self.memory = self._beginning(leg, energy, limit) if memory is None else memory
 
     @staticmethod
@@ -199,7 +201,7 @@ class PathFollower:
 
     def broken(self, load: float, peak: float) -> bool:
         """Whether nothing more is to be done: the load factor [N] has fallen far below the peak."""
-        least = max(self._stop_load, _BROKEN if self.memory.in_energy else 0.0)
+        least = max(self._stop_load, _BROKEN if self.memory.in_energy and self._alone else 0.0)
         return abs(load) < least * peak <= self.memory.top
 
     def goal(self, value: float) -> Goal:

@@ -60,7 +60,7 @@ class StepLength:
     def after(self, iterations: int, value: float) -> StepLength:
         """Length after a step that ended at `value` and took so many iterations."""
         if iterations >= self.HARD:
-            return replace(self, level=self.level + 1, easy=0)
+            return self.halved() or replace(self, easy=0)
         if iterations > self.EASY or self.level == 0:
             return replace(self, easy=0)
         easy = self.easy + 1
