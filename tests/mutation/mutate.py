@@ -25,8 +25,8 @@ ODD: tuple[Any, ...] = (
     False, "", " ", "0", "1", "5 mm", "5mm", "-5 mm", "0 mm", "5 m", "5 km", "5 kg", "5", "5,0 mm", "1 000 mm", "mm",
     "five mm", "nan mm", "inf mm", "1e400 mm", "1e-400 mm", "5 mm + 3 mm", "(5) mm", "12 (9**9**9)*m", "1 m**9**9**9",
     "5 %", "500 %", "2 MPa", "2 GPa", "2 Pa", "35 J/m^2", "35 Nm/m^2", "35 J/m^2^2^2", "0x10", "1_000", "١ mm",
-    "５ mm", "5 µm", "5 mm\x00", "ball", "box", "pin", "roller", "clamp", "x", "y", "z", "left", "right", "bottom",
-    "top", "front", "back", "side", "gauge", "displacement", "dissipation", "utilisation", "rankine",
+    "５ mm", "5 µm", "5 mm\x00", "ball", "box", "pin", "roller", "clamp", "guide", "x", "y", "z", "left", "right",
+    "bottom", "top", "front", "back", "side", "gauge", "displacement", "dissipation", "utilisation", "rankine",
     "cusatis-cedolin", "exponential", "matern", "gaussian", "lognormal", "weibull", "grafted", "direct", "two-level",
     "amg", "auto", "nuclei.txt", "nuclei.npy", "measured.csv", "case.toml", "missing.txt", ".", "..", "/",
     "/dev/zero", "pipe", "~", "a/b", "a\x00b", "a\nb", "\x1b[31m", "😀" * 50, "x" * 5000, "ü", "\u202e", "{}", "[]",
@@ -109,7 +109,7 @@ def possible_tables(rng: random.Random, tables: Tables, changes: int) -> tuple[T
             outer[key] = copy.deepcopy(rng.choice(_CHOICES[key]))
         elif key == "type":
             control = ("gauge", "displacement", "dissipation")
-            outer[key] = rng.choice(control if value in control else ("pin", "roller", "clamp"))
+            outer[key] = rng.choice(control if value in control else ("pin", "roller", "clamp", "guide"))
         elif isinstance(value, bool):
             outer[key] = not value
         elif isinstance(value, int):

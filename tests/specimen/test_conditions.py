@@ -131,6 +131,15 @@ def test_clamp_holds_alone(small_case):
     assert np.linalg.matrix_rank(clamp) == 6
 
 
+def test_guides_hold_turns_only(small_case):
+    """The rows of a clamp without its translations."""
+    found = rows(small_case, {"type": "clamp", "face": "left"}, {"type": "guide", "face": "left"})
+    assert_allclose(found[6:], found[3:6], atol=0.0)
+    assert_allclose(found[6:, :3], 0.0, atol=1e-12)
+    with pytest.raises(InputError, match="3 of the 6"):
+        conditions(small_case(supports=[{"type": "guide", "face": "left"}]))
+
+
 @pytest.mark.parametrize("width", [1e-3, 0.2e-3, 1e-6])
 def test_clamps_of_narrow_strips_hold_all_turns(small_case, width):
     """Narrower than a fifth of l_f, 1.6 mm, they are one row of samples: its turn is that of the strip."""

@@ -88,7 +88,7 @@ def folder_name(text: str) -> str:
 class Support(Patch):
     """Patch of the surface that is held."""
 
-    type: Literal["pin", "roller", "clamp"] = Field(description='"pin", "roller" or "clamp"')
+    type: Literal["pin", "roller", "clamp", "guide"] = Field(description='"pin", "roller", "clamp" or "guide"')
 
 
 class Load(Patch):

@@ -33,7 +33,7 @@ FloatArray = NDArray[np.float64]
 
 SUPPORT, LOAD, GAUGE, NOTCH = "#4b5563", "#b42318", "#1d4ed8", "#f2c14e"
 
-MARKERS = {"pin": "^", "roller": "o", "clamp": "s"}
+MARKERS = {"pin": "^", "roller": "o", "clamp": "s", "guide": "D"}
 """Signs of the kinds of supports."""
 
 MOST_POINTS = 60

@@ -54,7 +54,8 @@ class Symbol:
 def symbols(case: Case) -> list[Symbol]:
     """Symbols of a case's supports, loads and gauges; places on the front and the back have none.
 
-    A pin is a triangle, a roller a triangle on a line, a clamp a hatched line, the load arrows, a gauge two dots.
+    A pin is a triangle, a roller a triangle on a line, a clamp a hatched line, a guide one apart from the surface, the
+    load arrows, a gauge two dots.
     """
     domain = domain_from_case(case)
     l_f = case.discretization.l_f
@@ -104,7 +105,7 @@ def _shape(
 
 def _support(kind: str, place: Place, size: float, extent: float) -> list[Symbol]:
     middle, along, outward, half = _frame(place)
-    if kind == "clamp" or 2.0 * half > WHOLE * extent:
+    if kind in ("clamp", "guide") or 2.0 * half > WHOLE * extent:
         half = max(half, 0.6 * size)
         gap = 0.0 if kind == "clamp" else 0.25 * size
         ticks = np.arange(-half, half + 1e-9, 2.0 * half / max(round(2.0 * half / (0.45 * size)), 1))

@@ -235,11 +235,17 @@ def _clamp(place: Place, key: str) -> list[Functional | None]:
     return [_mean(place, unit) for unit in np.eye(3)] + [_rotation(place, unit) for unit in np.eye(3)]
 
 
+def _guide(place: Place, key: str) -> list[Functional | None]:
+    """No rotation, as in a frame that slides but does not turn."""
+    return [_rotation(place, unit) for unit in np.eye(3)]
+
+
 #: Kinds of support by name.
 SUPPORTS: dict[str, Callable[[Place, str], list[Functional | None]]] = {
     "pin": _pin,
     "roller": _roller,
     "clamp": _clamp,
+    "guide": _guide,
 }
 
 
