@@ -361,7 +361,7 @@ def test_the_gauge_is_recorded_whatever_is_controlled():
     assert values[0][0] / values[0][1] != pytest.approx(1.0, rel=1e-3)
     assert (by_gauge.quantity, by_gauge.control, by_gauge.controlled) == ("gauge", "gauge", by_gauge.gauge)
     assert (by_displacement.quantity, by_displacement.control) == ("displacement", "displacement")
-    assert by_displacement.controlled == by_displacement.load_displacement == target / 200
+    assert by_displacement.controlled == by_displacement.load_displacement == pytest.approx(target / 200, rel=1e-14)
     assert by_displacement.snapshot.displacement.any()
 
 

@@ -25,6 +25,17 @@ CASES = {
     },
     "field": {"field": {"length": 0.03}, "adaptivity__r_f": 0.012},
     "energy": {"control__type": "dissipation", "control__stop_load": 0.3, "material__G_t": 8.0},
+    "stages": {
+        "control": None,
+        "gravity": {"density": 2400.0},
+        "loads": {"side": {"face": "right", "at": 0.03, "along": "y"}},
+        "stage": [
+            {"load": "side", "control": "force", "to": 50.0},
+            {"load": "load", "to": [2e-5, "10 % of load", 4e-5, "50 % of peak"]},
+            {"load": "load", "to": 5e-5},
+        ],
+        "adaptivity__r_f": 0.012,
+    },
     "two levels": {"adaptivity__r_f": 0.012, "solver__linear": "two-level"},
     "closing": {"material__law": "cusatis-cedolin-closing"},
 }
@@ -52,7 +63,7 @@ def undisturbed(name):
 @pytest.mark.parametrize("name", CASES)
 def test_every_state_is_followed_by_the_same_step(name):
     simulation, states, steps = undisturbed(name)
-    model = simulation._model
+    model = simulation.model
     changes = [k for k, step in enumerate(steps[1:]) if step.refinements or step.coarsenings]
     for k in {2, *changes[:1], *changes[-1:], len(states) - 2}:
         _, step = advance(model, states[k])

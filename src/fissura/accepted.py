@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fissura.equilibrium import Equilibrium, Goal, System
     from fissura.model import Model
 
-__all__ = ["Found", "accepted"]
+__all__ = ["Found", "accepted", "snapshot_of"]
 
 FloatArray = NDArray[np.float64]
 
@@ -109,7 +109,7 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
         exchanged=totals.exchanged,
         max_elastic_utilisation=float(found.elastic.utilisation.max(initial=0.0)),
         residual=new.norms.force,
-        snapshot=_snapshot(system, found),
+        snapshot=snapshot_of(system, found),
         control=goal.control,
         quantity=model.case.quantity,
         reactions=reactions.each,
@@ -127,7 +127,8 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
     return after, step
 
 
-def _snapshot(system: System, found: Found) -> Snapshot:
+def snapshot_of(system: System, found: Found) -> Snapshot:
+    """What can be seen of a state of equilibrium."""
     response, contacts = found.equilibrium.response, system.tessellation.contacts
     damage = np.zeros(len(contacts))
     damage[system.active] = system.law.damage(response.history)

@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.case import Case, load_case
+from fissura.case.continued import continued
 from fissura.case.types import whole
 from fissura.case.units import show
 from fissura.errors import FissuraError, InputError, RunStopped
 from fissura.folder import prepare_folder
 from fissura.interrupts import shielded
+from fissura.lock import locked
 from fissura.memory import require_memory
+from fissura.observer import Observer, watched
 
 if TYPE_CHECKING:
     from fissura.results import Result
+    from fissura.results.checkpoint import Checkpoint
     from fissura.results.recorder import Recorder
+    from fissura.results.resuming import Begun
     from fissura.simulation import Simulation
+    from fissura.state import State
     from fissura.step import Step
 
 __all__ = ["run"]
@@ -33,9 +39,11 @@ def run(
     full: bool = False,
     output: str | Path | None = None,
     overwrite: bool = False,
+    resume: bool = False,
     seed: int | None = None,
     on_start: Callable[[Simulation], None] | None = None,
     on_step: Callable[[Step], None] | None = None,
+    observers: Iterable[Observer] = (),
 ) -> Result:
     """Run a case until its control target is reached.
 
@@ -49,12 +57,17 @@ def run(
         Folder for the results; None keeps them in memory only.
     overwrite : bool, optional
         Whether the folder may hold an earlier run, whose files are replaced; nothing else in it is touched.
+    resume : bool, optional
+        Go on with the run in the folder, from its latest checkpoint, to the target of this case; all but name, output,
+        targets and threads must be as it was. A run that has reached the target is left as it is, and loaded.
     seed : int, optional
         Replaces the seed of the case.
     on_start : callable, optional
-        Called with the simulation before its first step.
+        Called with the simulation before its first step here; not at all if there is nothing to do.
     on_step : callable, optional
         Called with every accepted step, after it was recorded.
+    observers : iterable of callable, optional
+        Called with the state of the run and the step, likewise.
 
     Returns
     -------
@@ -76,36 +89,72 @@ def run(
         case = load_case(case)
     if seed is not None:
         case = with_seed(case, seed)
-    folder = None if output is None else prepare_folder(output, "run", overwrite=overwrite)
-    require_memory(case, full=full)
+    if resume:
+        if output is None or overwrite:
+            raise InputError("--resume", "needs a folder whose run is not replaced", "output, and no --overwrite")
+        from fissura.results.checkpoint import checkpoint_in
 
-    from fissura.results.measured import read_measured
-    from fissura.simulation import Simulation
+        checkpoint_in(Path(output))
+    folder = None if output is None else prepare_folder(output, "run", overwrite=overwrite, go_on=resume)
+    with locked(folder):
+        begins_from = _begins_from(folder, full=full) if resume and folder is not None else None
+        if begins_from is not None and folder is not None:
+            from fissura.results.resuming import is_done
 
-    if case.output.measured is not None:
-        read_measured(case.output.measured)  # the pictures need it at the end: say now if it is wrong
-    simulation = Simulation(case, full=full)
-    for notice in simulation.notices:
-        logger.warning(notice)
-    if on_start is not None:
-        on_start(simulation)
-    return _recorded(simulation, folder, on_step)
+            case = continued(case, begins_from.case, begins_from.leg, finished=is_done(folder))
+        require_memory(case, full=full)
+
+        from fissura.results.measured import read_measured
+        from fissura.simulation import Simulation
+
+        if case.output.measured is not None:
+            read_measured(case.output.measured)  # the pictures need it at the end: say now if it is wrong
+        simulation = Simulation(case, full=full)
+        before: Begun | None = None
+        if begins_from is not None and folder is not None:
+            from fissura.results.result import Result
+            from fissura.results.resuming import begun
+
+            before = begun(simulation, begins_from)
+            if simulation.ended and is_done(folder):
+                return Result.load(folder)
+        for notice in simulation.notices:
+            logger.warning(notice)
+        if on_start is not None:
+            on_start(simulation)
+        told: tuple[Observer, ...] = () if on_step is None else (lambda _, step: on_step(step),)
+        return _recorded(simulation, folder, before, (*told, *observers))
 
 
-def _recorded(simulation: Simulation, folder: Path | None, on_step: Callable[[Step], None] | None) -> Result:
+def _begins_from(folder: Path, *, full: bool) -> Checkpoint:
+    """The checkpoint from which a run goes on."""
+    from fissura.results.checkpoint import read_checkpoint
+
+    found = read_checkpoint(folder)
+    if found.full != full:
+        kind = "at full resolution" if found.full else "adaptive"
+        raise InputError("--full", f"the run in {folder} is {kind}", "the same, with --resume")
+    return found
+
+
+def _recorded(
+    simulation: Simulation, folder: Path | None, before: Begun | None, observers: tuple[Observer, ...]
+) -> Result:
     """Step to the end, recording; save whatever there is when the run ends early."""
     from fissura.results.recorder import Recorder
 
-    number, controlled = 0, 0.0
+    number = 0 if before is None else before.last.number
+    controlled = 0.0 if before is None else before.last.controlled
     recorder: Recorder | None = None
+
+    def count(_: State, step: Step) -> None:
+        nonlocal number, controlled
+        number, controlled = step.number, step.controlled
+
     try:
         with shielded():
-            recorder = Recorder(simulation, folder)
-        for step in simulation.steps():
-            recorder.add(step)
-            number, controlled = step.number, step.controlled
-            if on_step is not None:
-                on_step(step)
+            recorder = Recorder(simulation, folder, before)
+        watched(simulation, recorder.watch, count, *observers)
     except (RunStopped, MemoryError) as error:
         if recorder is None:
             raise

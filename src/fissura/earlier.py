@@ -43,7 +43,7 @@ def _of_run(folder: Path) -> Iterator[str]:
             text = (folder / series).read_text(encoding="utf-8")
             yield from re.findall(r'file="((?:bodies|contacts)_\d+\.vtu)"', text)
         yield series
-    yield from ("case.toml", "case.json", "curve.csv", "state_last.npz", "section.npz")
+    yield from ("case.toml", "case.json", "curve.csv", "state_last.npz", "section.npz", "checkpoint.npz")
     yield from ("curve.png", "crack.png", "field.png", "error.txt", "summary.json")
 
 

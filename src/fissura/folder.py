@@ -155,7 +155,7 @@ def prepare_folder(
     """
     folder = Path(folder)
     try:
-        if folder.is_dir() and any(folder.iterdir()):
+        if folder.is_dir() and any(not _is_nothing(path) for path in folder.iterdir()):
             _check(folder, kind, overwrite=overwrite, go_on=go_on)
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -166,6 +166,11 @@ def prepare_folder(
         reason = getattr(error, "strerror", None) or error
         raise InputError("output", f"cannot write in {folder}: {reason}", "a writable folder") from None
     return folder
+
+
+def _is_nothing(path: Path) -> bool:
+    """Whether this is a mark without content: of a run that was killed before it wrote anything."""
+    return path.name == MARK and path.is_file() and path.stat().st_size == 0
 
 
 def _check(folder: Path, kind: FolderKind, *, overwrite: bool, go_on: bool) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fissura.specimen import Conditions
     from fissura.state import State
 
-__all__ = ["Ahead", "Planned", "ahead", "check_drives", "entered", "planned_legs"]
+__all__ = ["Ahead", "Planned", "ahead", "check_drives", "entered", "extended", "planned_legs"]
 
 FloatArray = NDArray[np.float64]
 
@@ -203,6 +203,16 @@ def entered(model: Model, state: State, way: Ahead) -> State:
     return replace(state, leading=memory, solver=model.solver.memory(system))
 
 
+def extended(model: Model, state: State) -> State:
+    """The state on its way to where the case has its end now, which may be farther than when the way began."""
+    if state.leg is None:
+        return state
+    target = model.legs[state.leg.index].target
+    if target.of or target.value == state.leg.end:
+        return state
+    return replace(state, leg=replace(state.leg, end=target.value))
+
+
 def _alone(main: Drive, driven: Driven) -> bool:
     """Whether what is driven is what the last stage drives, without other loads."""
     drive, kept = driven
@@ -233,6 +243,7 @@ def _leg(planned: Planned, way: Ahead, slope: float, longest_way: float) -> Leg:
         step = length / _RELATIVE_STEPS
         steps = (step, step, _LEAST * step)
     share = stage.max_step / longest_way if longest_way > 0.0 else 0.0
+    share = share if stage.energy_step is None else stage.energy_step
     drive, kept = way.driven
     return Leg(way.index, drive.quantity, kept, way.value, way.end, way.load, slope, *steps, share)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from fissura.accepted import Found, snapshot_of
 from fissura.equilibrium import PathFollower, StepSolver, System
 from fissura.legs import Ahead, ahead, planned_legs
 from fissura.structure import Driven, Structure
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from fissura.case import Case, LoadingStage
     from fissura.equilibrium import Leading
     from fissura.state import State
+    from fissura.step import Snapshot
 
 __all__ = ["Model"]
 
@@ -96,6 +98,21 @@ class Model:
         way = state.leg.progress(state.now.value) / state.leg.length
         return (state.leg.index + min(max(way, 0.0), 1.0)) / len(self.legs)
 
+    def at(self, state: State) -> System:
+        """The equations of a state."""
+        driven = None
+        if state.leg is not None and not state.main:
+            driven = Driven(self.legs[state.leg.index].drive, state.leg.kept)
+        self._state = None
+        self.structure.compliance = state.start.compliance
+        return self.structure.at(state.layout, driven)
+
+    def snapshot(self, state: State) -> Snapshot:
+        """What can be seen in a state, as its step told."""
+        system = self.at(state)
+        elastic, criterion = self.structure.assess(state.now.response, state.now.load)
+        return snapshot_of(system, Found(state.now, elastic, criterion))
+
     def begin(self, state: State) -> None:
         """Make everything as it is in a state, until a step from it has ended."""
         self._make(state)
@@ -104,11 +121,7 @@ class Model:
     def _make(self, state: State) -> None:
         if self._state is state:
             return
-        self.structure.compliance = state.start.compliance
-        driven = None
-        if state.leg is not None and not state.main:
-            driven = Driven(self.legs[state.leg.index].drive, state.leg.kept)
-        self.solver.restore(self.structure.at(state.layout, driven), state.solver)
+        self.solver.restore(self.at(state), state.solver)
         self._state = state
 
     def end(self, state: State) -> None:

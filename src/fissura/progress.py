@@ -114,13 +114,17 @@ class RunProgress(_Live):
         self.say(
             f"{simulation.case.name}: {simulation.bodies_start} bodies ({kind}), built in {duration(now - self._start)}"
         )
+        state = simulation.state
+        if state is not None:
+            self._done.peak = state.totals.peak
+            self.say(f"goes on after step {state.number}, {self._quantity} {length(state.now.value)}")
         if self._bar is not None:
-            self._bar.update(self._task, description="first step")
+            self._bar.update(self._task, description="first step" if state is None else "next step")
 
     def step(self, step: Step) -> None:
         """Show an accepted step."""
         now = time.monotonic()
-        share = self._done.after(step)
+        share = self._done.after(step.done, step.load)
         self._recent.append((now, share))
         self._refinements += step.refinements
         text = self._line(step, now)

@@ -51,8 +51,10 @@ class Simulation:
         Bodies at full resolution, and at the start of this run.
     nuclei_given : int
         Nuclei that a file gave; full resolution has these, and those added to them.
+    model : Model
+        What follows from the case and the state.
     state : State or None
-        Where the run stands; None before :meth:`start`.
+        Where the run stands; None before its start. It goes on from a state that is put here.
     """
 
     def __init__(self, case: Case, *, full: bool = False) -> None:
@@ -64,7 +66,7 @@ class Simulation:
         self.nuclei_given = self._structure.nuclei.given
         self.bodies_start = len(self.tessellation)
         self.state: State | None = None
-        self._model = Model(case, self._structure)
+        self.model = Model(case, self._structure)
 
     @property
     def tessellation(self) -> Tessellation:
@@ -118,7 +120,12 @@ class Simulation:
             A calculation failed.
         """
         with stopping(lambda: (1, 0.0), refusing=True):
-            return started(self._model, (self.bodies_start, self.bodies_full))
+            return started(self.model, (self.bodies_start, self.bodies_full))
+
+    @property
+    def ended(self) -> bool:
+        """Whether the run is over."""
+        return self.state is not None and self.model.ended(self.state)
 
     def steps(self) -> Iterator[Step]:
         """Accepted steps, until the target is reached; :attr:`state` goes with them.
@@ -136,7 +143,7 @@ class Simulation:
             The case is refused before its first step.
         """
         state = self.state = self.start() if self.state is None else self.state
-        while not self._model.ended(state):
-            state, step = advance(self._model, state)
+        while not self.model.ended(state):
+            state, step = advance(self.model, state)
             self.state = state
             yield step

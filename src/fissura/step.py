@@ -14,7 +14,7 @@ from fissura.tessellation import Tessellation
 if TYPE_CHECKING:
     from fissura.case import Quantity
 
-__all__ = ["Snapshot", "Step"]
+__all__ = ["Moment", "Snapshot", "Step"]
 
 FloatArray = NDArray[np.float64]
 
@@ -56,6 +56,23 @@ class Snapshot:
     opening: FloatArray
     body_factor: FloatArray | None = None
     contact_factor: FloatArray | None = None
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A step as far as it is kept.
+
+    Attributes
+    ----------
+    number, gauge, load, controlled, snapshot
+        As of :class:`Step`.
+    """
+
+    number: int
+    gauge: float
+    load: float
+    controlled: float
+    snapshot: Snapshot
 
 
 @dataclass(frozen=True)
@@ -153,3 +170,8 @@ class Step:
     def controlled(self) -> float:
         """Value of the controlled quantity [m]; it may turn back where dissipated energy leads."""
         return self.gauge if self.quantity == "gauge" else self.load_displacement
+
+    @property
+    def moment(self) -> Moment:
+        """What is kept of it."""
+        return Moment(self.number, self.gauge, self.load, self.controlled, self.snapshot)

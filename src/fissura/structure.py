@@ -187,7 +187,7 @@ class Structure:
         driven : Driven or None
             What is driven; None for the load of the last stage alone.
         """
-        if layout is not self.layout or driven is not self.driven:
+        if layout is not self.layout or not _same(driven, self.driven):
             system = self._equations(self._discretized(layout.region, self.system.tessellation))
             scale = layout.elastic_scale
             self.layout, self.driven = layout, driven
@@ -294,3 +294,10 @@ class Structure:
     def _changed(self, region: RefinedRegion) -> System:
         """Equations for another region."""
         return self._under(self._calibrated(self._equations(self._discretized(region, self.system.tessellation))))
+
+
+def _same(one: Driven | None, other: Driven | None) -> bool:
+    """Whether the same is driven."""
+    if one is None or other is None:
+        return one is other
+    return one.drive is other.drive and np.array_equal(one.kept, other.kept)

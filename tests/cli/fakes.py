@@ -46,6 +46,7 @@ class FakeSimulation:
     def __init__(self, case: Case, *, full: bool = False) -> None:
         self.case, self.full = case, full
         self.notices = ()
+        self.state = None
         self.bodies_start, self.bodies_full, self.nuclei_given = 100, 300, 0
         self.field = None
         self.domain = domain_from_case(case)
@@ -75,10 +76,10 @@ class FakeRecorder:
     warnings: tuple[str, ...] = ()
     fail_at = 0
 
-    def __init__(self, simulation: FakeSimulation, folder: Path | None) -> None:
+    def __init__(self, simulation: FakeSimulation, folder: Path | None, begun: Any = None) -> None:
         self.folder, self.steps = folder, list[int]()
 
-    def add(self, step: Any) -> None:
+    def watch(self, state: Any, step: Any) -> None:
         self.steps.append(step.number)
         if self.folder is not None:
             (self.folder / "curve.csv").write_text(",".join(map(str, self.steps)))

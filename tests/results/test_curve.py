@@ -104,3 +104,47 @@ def test_missing_and_binary_files(tmp_path):
     (tmp_path / "curve.csv").write_bytes(b"\xff\xfe\x00\x81")
     with pytest.raises(InputError, match="is UTF-16 text"):
         read_curve(tmp_path)
+
+
+class FullDisk:
+    """A file that takes some bytes and then no more."""
+
+    def __init__(self, file, left):
+        self.file, self.left = file, left
+
+    def __getattr__(self, name):
+        return getattr(self.file, name)
+
+    def write(self, data):
+        if not self.left:
+            raise OSError(28, "No space left on device")
+        written = self.file.write(data[: self.left])
+        self.left -= written
+        return written
+
+
+def test_a_row_that_does_not_fit_on_the_disk_is_not_there_at_all(tmp_path):
+    writer = CurveWriter(tmp_path / "curve.csv")
+    first, second = (row(s, 1.0, 2.0) for s in steps([1.0, 2.0]))
+    writer.write(first)
+    before = (tmp_path / "curve.csv").read_bytes()
+    writer._file = FullDisk(writer._file, 20)
+    with pytest.raises(OSError, match="No space"):
+        writer.write(second)
+    assert (tmp_path / "curve.csv").read_bytes() == before
+    writer._file.left = 10_000
+    writer.write(second)
+    writer.close()
+    assert read_curve(tmp_path)["load_N"].tolist() == [1.0, 2.0]
+
+
+def test_a_curve_that_goes_on_is_written_as_at_first(tmp_path):
+    rows = [row(s, 1.0 / 3.0, 2.0) for s in steps([1.0, 2.0, 1.0 / 3.0])]
+    names = tuple(rows[0])
+    for file, split in (("one.csv", 0), ("other.csv", 2)):
+        begun = columns(rows[:split]) if split else None
+        writer = CurveWriter(tmp_path / file, names, begun)
+        for values in rows[split:]:
+            writer.write(values)
+        writer.close()
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()

@@ -14,7 +14,7 @@ from .synthetic import simulation, snapping, step, steps
 
 def summary_of(recorded, **changes):
     curve = columns(row(s, 0.5 * s.number, 1.0 * s.number) for s in recorded)
-    options = {"status": "finished", "message": "", "cpu_s": 3.0, "wall_s": 6.0}
+    options = {"status": "finished", "message": "", "cpu_s": 3.0, "wall_s": 6.0, "memory": 1e8}
     return build_summary(simulation(), curve, **(options | changes))
 
 

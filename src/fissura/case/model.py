@@ -29,6 +29,7 @@ from fissura.case.shape import Specimen, Voids
 from fissura.case.types import (
     Count,
     Direction,
+    Duration,
     File,
     PositiveLength,
     Thousands,
@@ -127,10 +128,11 @@ class Solver(Part):
 
 
 class Output(Part):
-    """What a run writes besides its curve and summary."""
+    """What a run writes besides its curve and summary, and how often it saves how to go on."""
 
     vtk: Thousands = 5
     measured: File | None = None
+    checkpoint: Duration = 30.0
 
 
 @dataclass(frozen=True)

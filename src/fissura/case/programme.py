@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 
 from fissura.case.part import Part
 from fissura.case.ranges import ACCELERATIONS, COORDINATES, DENSITIES, FORCES, POSITIVE, derived, quantity
-from fissura.case.types import Direction, Flag, Iterations, Share, StepLength, Target, Tolerance, fail, listed
+from fissura.case.types import Direction, Flag, Fraction, Iterations, Share, StepLength, Target, Tolerance, fail, listed
 from fissura.case.units import ACCELERATION, DENSITY, FORCE, LENGTH, NUMBER, show, to_si
 
 __all__ = ["GRAVITY", "Control", "Gravity", "LoadingStage", "Stage", "StageTarget", "resolved_stages"]
@@ -52,6 +52,7 @@ class Control(Part):
     min_step: StepLength = Field(
         default_factory=derived(lambda target, step: min(target / 1e5, step), "target", "first_step")
     )
+    energy_step: Fraction = Field(default_factory=derived(lambda target, step: step / target, "target", "max_step"))
     tolerance: Tolerance = 1e-4
     max_iterations: Iterations = 30
     switch: Flag = True
@@ -114,6 +115,7 @@ class Stage(Part):
     max_step: float | None = None
     first_step: float | None = None
     min_step: float | None = None
+    energy_step: Fraction | None = None
     tolerance: Tolerance = 1e-4
     max_iterations: Iterations = 30
     switch: Flag = True
@@ -256,8 +258,8 @@ class LoadingStage:
         Where to go, one after another.
     span, max_step, first_step, min_step : float
         Longest way between values, and steps on such ways [m or N].
-    tolerance, max_iterations, switch, stop_load
-        As in the case.
+    tolerance, max_iterations, switch, stop_load, energy_step
+        As in the case; the last one None where it follows from the longest step and the longest way.
     """
 
     key: str
@@ -274,6 +276,7 @@ class LoadingStage:
     max_iterations: int = 30
     switch: bool = True
     stop_load: float = 0.0
+    energy_step: float | None = None
 
     @property
     def target(self) -> float:
@@ -334,6 +337,7 @@ def resolved_stages(
                 control.max_iterations,
                 control.switch,
                 control.stop_load,
+                control.energy_step,
             ),
         )
     if stages[0].targets[0].of:
@@ -387,4 +391,5 @@ def _resolved(stage: Stage, k: int, loads: Sequence[str], placed: Sequence[str],
         stage.max_iterations,
         stage.switch and stage.control != "force",
         stage.stop_load,
+        stage.energy_step,
     )

@@ -19,6 +19,7 @@ __all__ = [
     "COORDINATES",
     "CORRELATION",
     "DENSITIES",
+    "DURATIONS",
     "ENERGIES",
     "FORCES",
     "LENGTHS",
@@ -87,6 +88,7 @@ ENERGIES = Range(1e-6, 1e9, "positive, 1e-6 to 1e9 J/m^2")
 FORCES = Range(-1e12, 1e12, "-1e12 N to 1e12 N")
 DENSITIES = Range(1.0, 1e5, "positive, 1 to 1e5 kg/m^3")
 ACCELERATIONS = Range(1e-3, 1e5, "positive, 0.001 to 1e5 m/s^2")
+DURATIONS = Range(1e-3, 1e7, "0 or 1 ms to 1e7 s", zero=True)
 #: For keys that are bounded by another one.
 POSITIVE = Range(0.0, math.inf, "positive", open=True)
 

@@ -15,6 +15,7 @@ from fissura.case.ranges import (
     BULK_MODULI,
     COORDINATES,
     CORRELATION,
+    DURATIONS,
     ENERGIES,
     LENGTHS,
     MODULI,
@@ -27,7 +28,7 @@ from fissura.case.ranges import (
     quantity,
 )
 from fissura.case.report import fail
-from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, plain, show, to_si
+from fissura.case.units import DURATION, ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, plain, show, to_si
 
 __all__ = [
     "Alpha",
@@ -36,6 +37,7 @@ __all__ = [
     "CorrelationLength",
     "Count",
     "Direction",
+    "Duration",
     "Exponent",
     "File",
     "Flag",
@@ -250,6 +252,7 @@ Fraction = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.0, 1.0, o
 Share = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.0, 1.0, words=False)))]
 SignedShare = Annotated[float, BeforeValidator(quantity(NUMBER, between(-1.0, 1.0, words=False)))]
 Tolerance = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.0, 0.1, open=True)))]
+Duration = Annotated[float, BeforeValidator(quantity(DURATION, DURATIONS))]
 Count = Annotated[int, BeforeValidator(_integer(0))]
 Thousands = Annotated[int, BeforeValidator(_integer(0, 10_000))]
 Iterations = Annotated[int, BeforeValidator(_integer(1, 10_000))]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ACCELERATION",
     "DENSITY",
+    "DURATION",
     "ENERGY_PER_AREA",
     "FORCE",
     "LENGTH",
@@ -76,6 +77,7 @@ ENERGY_PER_AREA = Dimension("an energy per area", "J/m^2", "35 J/m^2")
 FORCE = Dimension("a force", "N", "5 kN")
 DENSITY = Dimension("a density", "kg/m^3", "2400 kg/m^3")
 ACCELERATION = Dimension("an acceleration", "m/s^2", "9.81 m/s^2")
+DURATION = Dimension("a duration", "s", "30 s")
 NUMBER = Dimension("a number", "", "0.2")
 
 #: SI values of the units that almost every case uses; pint, which knows all others, takes 0.3 s to load.
@@ -95,6 +97,7 @@ COMMON: dict[str, dict[str, float]] = {
     FORCE.unit: {"N": 1.0, "kN": 1e3, "MN": 1e6},
     DENSITY.unit: {"kg/m^3": 1.0, "kg/m³": 1.0, "kg/m3": 1.0, "t/m^3": 1e3},
     ACCELERATION.unit: {"m/s^2": 1.0, "m/s²": 1.0, "m/s2": 1.0},
+    DURATION.unit: {"s": 1.0, "min": 60.0, "h": 3600.0},
 }
 
 

@@ -23,6 +23,7 @@ __all__ = [
     "check_ending",
     "errors",
     "file_names",
+    "go_on",
     "not_written",
     "print_columns",
     "print_table",
@@ -70,7 +71,12 @@ def _saved(error: BaseException) -> str:
     steps = len(result.curve["step"])
     done = result.summary.get("status") == "finished"
     which = f"while pictures were drawn; all {steps} steps are" if done else f"the {steps} steps before it are"
-    return f"{' ' if done else '; '}{which} saved in {result.folder}: {file_names(result.folder)}"
+    return f"{' ' if done else '; '}{which} saved in {result.folder}: {file_names(result.folder)}{go_on(result.folder)}"
+
+
+def go_on(folder: Path) -> str:
+    """How to go on with the run in a folder, as the end of a sentence; empty where it has no checkpoint."""
+    return "; --resume goes on with it" if (folder / "checkpoint.npz").is_file() else ""
 
 
 def file_names(folder: Path) -> str:

@@ -5,15 +5,18 @@ from __future__ import annotations
 from contextlib import nullcontext
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
-from fissura.cli.console import errors, file_names, not_written, print_table, say, warnings
+from fissura.cli.console import errors, file_names, go_on, not_written, print_table, say, warnings
 from fissura.cli.options import CaseArgument, FullOption, OverwriteOption, QuietOption
 from fissura.errors import InputError
 from fissura.interrupts import interruptible
+
+if TYPE_CHECKING:
+    from fissura.simulation import Simulation
 
 __all__ = ["check", "new", "run"]
 
@@ -23,6 +26,7 @@ def run(
     full: FullOption = False,
     output: Annotated[Path | None, typer.Option(help="Folder for the results.", show_default="results/NAME")] = None,
     overwrite: OverwriteOption = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed, instead of that of the case.")] = None,
     quiet: QuietOption = False,
 ) -> None:
@@ -36,6 +40,14 @@ def run(
         folder = output if output is not None else Path("results") / (loaded.name + ("_full" if full else ""))
         console = Console(stderr=True)
         progress = None if quiet else RunProgress(console, loaded)
+        begun = False
+
+        def start(simulation: Simulation) -> None:
+            nonlocal begun
+            begun = True
+            if progress is not None:
+                progress.start(simulation)
+
         try:
             with warnings(console, quiet=quiet) as shown, progress or nullcontext():
                 result = api.run(
@@ -43,15 +55,18 @@ def run(
                     full=full,
                     output=folder,
                     overwrite=overwrite,
+                    resume=resume,
                     seed=seed,
-                    on_start=progress.start if progress else None,
+                    on_start=start,
                     on_step=progress.step if progress else None,
                 )
                 for message in result.summary["warnings"]:
                     shown.show(message)
         except OSError as error:
-            kept = f"kept in {folder}: {file_names(folder)}" if folder.is_dir() else "nothing was kept"
+            kept = f"kept in {folder}: {file_names(folder)}{go_on(folder)}" if folder.is_dir() else "nothing was kept"
             raise not_written(error, error.filename or f"a file in {folder}", kept) from None
+        if not begun:
+            say(f"the run in {folder} has ended, and control.target is no larger: nothing was changed")
         if not quiet:
             print_table([*result.table(), ("results", str(folder)), ("files", file_names(folder))])
 

@@ -7,7 +7,7 @@ from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.direct import SOLVERS, best_solver
 from fissura.equilibrium.leg import Leg
 from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
-from fissura.equilibrium.memory import SolverMemory
+from fissura.equilibrium.memory import SecantMemory, SolverMemory
 from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
 from fissura.equilibrium.path import Goal, Leading, PathFollower
 from fissura.equilibrium.places import check_places
@@ -25,6 +25,7 @@ __all__ = [
     "Norms",
     "PathFollower",
     "Response",
+    "SecantMemory",
     "SingularMatrixError",
     "SolverMemory",
     "StepLength",

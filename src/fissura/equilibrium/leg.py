@@ -37,7 +37,7 @@ class Leg:
     longest, first, smallest : float
         Steps [m or N].
     share : float
-        Length of the longest step over that of all of the stage: the same holds for energies of steps.
+        Most energy that a step dissipates, over what it takes to break the specimen.
     """
 
     index: int
@@ -57,7 +57,8 @@ class Leg:
         """The leg from rest to the last target of a stage, without other loads."""
         end = stage.target
         steps = (stage.max_step, stage.first_step, stage.min_step)
-        return cls(0, stage.quantity, np.zeros(1), 0.0, end, 0.0, 1.0, *steps, stage.max_step / abs(end))
+        share = stage.max_step / abs(end) if stage.energy_step is None else stage.energy_step
+        return cls(0, stage.quantity, np.zeros(1), 0.0, end, 0.0, 1.0, *steps, share)
 
     @property
     def length(self) -> float:

@@ -142,7 +142,7 @@ class PathFollower:
     stage : LoadingStage
         The stage to which it belongs.
     energy : float
-        What it takes to break the specimen, roughly [J]: it decides the longest step in energy.
+        What it takes to break the specimen, roughly [J]: a step dissipates the share ``energy_step`` at most.
     limit : float
         Way at which the first contact comes to its strength [m or N]: the first step ends there at the latest, and the
         smallest step shrinks with the first one.

@@ -54,7 +54,8 @@ class StepLength:
     def next_value(self, value: float, target: float) -> float:
         """End of the next step: the next multiple of the length, at most the target [m]."""
         count = int((value + 1e-6 * self.length) / self.length) + 1
-        end = count * self.length
+        # Without the last digit a multiple is the target that it stands for, also where that is not the target yet.
+        end = float(f"{count * self.length:.15g}")
         return target if end > target - 1e-6 * self.length else end
 
     def after(self, iterations: int, value: float) -> StepLength:

@@ -331,6 +331,10 @@ class System:
         put_rows(damaged, self.active, traction)
         return Response(u, strain, traction, new, self.internal(traction, u))
 
+    def strain(self, u: FloatArray) -> FloatArray:
+        """Strains of all contacts, (m, 3), for displacements u, (6 n,)."""
+        return contact_strains(self.geometry, u.reshape(-1, 6))
+
     def reached(self, u: FloatArray, damaged: FloatArray, history: FloatArray) -> Response:
         """An accepted response of before, from what does not follow from anything else.
 
@@ -343,7 +347,7 @@ class System:
         history : (k, h) array
             Their history.
         """
-        strain = contact_strains(self.geometry, u.reshape(-1, 6))
+        strain = self.strain(u)
         traction = strain * self.moduli
         put_rows(damaged, self.active, traction)
         return Response(u, strain, traction, history, self.internal(traction, u))

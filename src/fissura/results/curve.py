@@ -5,9 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import math
+import os
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +17,7 @@ from numpy.typing import NDArray
 from fissura.case.files import read_text
 from fissura.case.programme import GRAVITY
 from fissura.errors import InputError
-from fissura.files import force
+from fissura.files import force, write_atomically
 
 if TYPE_CHECKING:
     from fissura.case import Case, Quantity
@@ -209,11 +211,17 @@ def columns(rows: Iterable[Mapping[str, float | str]]) -> Curve:
 
 
 class GrowingCurve:
-    """A curve that grows by one row at a time; its columns are made of the rows that are new only."""
+    """A curve that grows by one row at a time; its columns are made of the rows that are new only.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    curve : dict of str to (steps,) array, optional
+        What it begins with.
+    """
+
+    def __init__(self, curve: Curve | None = None) -> None:
         self._rows: list[Row] = []
-        self._curve: Curve | None = None
+        self._curve = curve
 
     def add(self, values: Row) -> None:
         """Append a row."""
@@ -238,24 +246,52 @@ class CurveWriter:
         File to write; an older one is replaced.
     names : sequence of str
         Its columns.
+    curve : dict of str to (steps,) array, optional
+        Rows that it begins with.
+
+    Raises
+    ------
+    OSError
+        It cannot be written.
     """
 
-    def __init__(self, path: Path, names: Sequence[str] = COLUMNS) -> None:
+    def __init__(self, path: Path, names: Sequence[str] = COLUMNS, curve: Curve | None = None) -> None:
         self._names = tuple(names)
-        self._file: TextIO = path.open("w", encoding="utf-8", newline="")
-        self._writer = csv.writer(self._file, lineterminator="\n")
-        self._writer.writerow(self._names)
-        self._file.flush()
+        rows = () if curve is None else zip(*(curve[name] for name in self._names), strict=True)
+        lines = [self._line(self._names), *(self._row(dict(zip(self._names, row, strict=True))) for row in rows)]
+        write_atomically(path, b"".join(lines))
+        self._file = path.open("ab", buffering=0)
+
+    @staticmethod
+    def _line(cells: Sequence[str]) -> bytes:
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerow(cells)
+        return text.getvalue().encode()
+
+    def _row(self, values: Mapping[str, float | str]) -> bytes:
+        return self._line([_written(name, values[name]) for name in self._names])
 
     def write(self, values: Mapping[str, float | str]) -> None:
-        """Append one row and hand it to the operating system."""
-        self._writer.writerow([_written(name, values[name]) for name in self._names])
-        self._file.flush()
+        """Append one row and hand it to the operating system; a row that does not fit on the disk is not there at all.
+
+        Raises
+        ------
+        OSError
+            It cannot be written.
+        """
+        end, line = self._file.seek(0, os.SEEK_END), self._row(values)
+        try:
+            written = 0
+            while written < len(line):
+                written += self._file.write(line[written:])
+        except OSError:
+            with suppress(OSError):
+                self._file.truncate(end)
+            raise
 
     def close(self) -> None:
         """Force the file to the disk and close it; may be called twice."""
         if not self._file.closed:
-            self._file.flush()
             force(self._file.fileno())
             self._file.close()
 

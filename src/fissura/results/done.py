@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.step import Step
 
 __all__ = ["Done"]
 
@@ -31,8 +30,8 @@ class Done:
         self.peak = 0.0
         self.share = 0.0
 
-    def after(self, step: Step) -> float:
-        """Take note of an accepted step.
+    def after(self, done: float, load: float) -> float:
+        """Take note of an accepted step, by the share of the programme that is done, and its load [N].
 
         Attributes ``peak`` (largest magnitude of the load so far [N]) and ``share`` are up to date then.
 
@@ -41,9 +40,9 @@ class Done:
         float
             The share after this step, from 0 to 1.
         """
-        load = abs(step.load)
+        load = abs(load)
         self.peak = max(self.peak, load)
-        shares = [self.share, step.done]
+        shares = [self.share, done]
         if self._by_load and load < self.peak:
             lost, all_of_it = 1.0 - load / self.peak, 1.0 - self._stop_load
             shares.append(lost / all_of_it if lost < all_of_it else 1.0)

@@ -6,6 +6,7 @@ its lines are the same on all steps of a discretization, and a picture needs sin
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,7 +65,7 @@ class Frame:
 
 
 class HistoryWriter:
-    """Takes the section of every step, and writes them all at the end of a run.
+    """Takes the section of every step, and writes them all at the end of a run, or in parts on the way.
 
     Parameters
     ----------
@@ -96,31 +97,88 @@ class HistoryWriter:
         values = (step.number, step.gauge, step.controlled, step.load)
         self._add(values, self._motion(snapshot, rows), stress, open_, opening[open_])
 
-    def write(self, path: Path) -> None:
-        """Write everything; the arrays are documented in ``docs/files.md``."""
-        number, gauge, controlled, load, bodies, which = (np.array(values) for values in zip(*self._steps, strict=True))
+    @property
+    def steps(self) -> int:
+        """Steps so far, the unloaded structure included."""
+        return len(self._steps)
+
+    def write(self, path: Path, first: int = 0) -> None:
+        """Write everything, or steps from a first one on; the arrays are documented in ``docs/files.md``."""
+        begun = 0 if first == 0 else self._steps[first - 1][-1] + 1  # sections that earlier parts have
+        sections, chosen = self._sections[begun:], self._steps[first:]
+        number, gauge, controlled, load, bodies, which = (np.array(values) for values in zip(*chosen, strict=True))
+        fields = {name: values[first:] for name, values in self._fields.items()}
         write_archive(
             path,
             FORMAT,
             FORMAT_VERSION,
             {
                 "z": self._z,
-                "sections.nucleus": np.concatenate([s.nucleus for s in self._sections]),
-                "sections.fine": np.concatenate([s.fine for s in self._sections]),
-                "sections.lines": np.concatenate([s.lines for s in self._sections]),
-                "sections.sides": np.concatenate([s.sides for s in self._sections]),
-                "sections.body_offsets": _offsets(s.nucleus for s in self._sections),
-                "sections.line_offsets": _offsets(s.lines for s in self._sections),
+                "sections.first": begun,
+                "sections.nucleus": _joined([s.nucleus for s in sections], np.empty(0, np.int64)),
+                "sections.fine": _joined([s.fine for s in sections], np.empty(0, np.bool_)),
+                "sections.lines": _joined([s.lines for s in sections], np.empty((0, 2, 2), np.float32)),
+                "sections.sides": _joined([s.sides for s in sections], np.empty((0, 2), np.int32)),
+                "sections.body_offsets": _offsets(s.nucleus for s in sections),
+                "sections.line_offsets": _offsets(s.lines for s in sections),
                 "steps.number": number,
                 "steps.gauge": gauge,
                 "steps.controlled": controlled,
                 "steps.load": load,
                 "steps.bodies": bodies,
                 "steps.section": which,
-                "steps.crack_offsets": _offsets(self._fields["crack"]),
-                **{name: np.concatenate(values) for name, values in self._fields.items()},
+                "steps.crack_offsets": _offsets(fields["crack"]),
+                **{name: np.concatenate(values) for name, values in fields.items()},
             },
         )
+
+    def read(self, paths: Iterable[Path], steps: int, tessellation: Tessellation) -> None:
+        """Take what was written before instead of a start.
+
+        Parameters
+        ----------
+        paths : iterable of Path
+            Files that `write` wrote. Where they hold the same step, they agree.
+        steps : int
+            Steps to take, the unloaded structure included.
+        tessellation : Tessellation
+            Of the last one of them.
+
+        Raises
+        ------
+        InputError
+            A file is missing or damaged, or they do not hold all of these steps.
+        """
+        for path in paths:
+            arrays = read_archive(path, FORMAT, FORMAT_VERSION)
+            try:
+                self._take(arrays, steps)
+            except (KeyError, IndexError, TypeError, ValueError) as error:
+                raise InputError(str(path), f"is damaged ({error})", "the files of the run as it left them") from None
+        if self.steps != steps:
+            raise InputError(
+                str(path), f"has sections of {self.steps - 1} steps", f"those of {steps - 1}; or --overwrite"
+            )
+        self._tessellation, self._rows = tessellation, cut(tessellation, self._z)[1]
+
+    def _take(self, arrays: dict[str, NDArray[Any]], steps: int) -> None:
+        """Take steps that are not there yet."""
+        first = int(arrays["sections.first"])
+        sections = _sections_of(arrays)
+        which, numbers = arrays["steps.section"], arrays["steps.number"]
+        cracks, body = arrays["steps.crack_offsets"], 0
+        known = dict(enumerate(self._sections)) | {first + k: section for k, section in enumerate(sections)}
+        for k, number in enumerate(numbers.tolist()):
+            own = slice(body, body + len(known[int(which[k])].nucleus))
+            body, some = own.stop, slice(cracks[k], cracks[k + 1])
+            if number != self.steps or number >= steps:
+                continue
+            if which[k] == len(self._sections):
+                self._sections.append(known[int(which[k])])
+            values = (arrays[f"steps.{name}"][k].item() for name in ("gauge", "controlled", "load", "bodies"))
+            self._steps.append((number, *values, int(which[k])))
+            for name, part in (("motion", own), ("stress", own), ("crack", some), ("opening", some)):
+                self._fields[name].append(arrays[name][part])
 
     def _cut(self, tessellation: Tessellation) -> Rows:
         if tessellation is not self._tessellation:
@@ -179,21 +237,7 @@ def read_history(folder: str | Path) -> tuple[Frame, ...]:
 
 
 def _frames(arrays: dict[str, NDArray[Any]]) -> tuple[Frame, ...]:
-    sections = [
-        Section(
-            arrays["sections.nucleus"][b0:b1],
-            arrays["sections.fine"][b0:b1],
-            arrays["sections.lines"][l0:l1],
-            arrays["sections.sides"][l0:l1],
-        )
-        for b0, b1, l0, l1 in zip(
-            arrays["sections.body_offsets"][:-1],
-            arrays["sections.body_offsets"][1:],
-            arrays["sections.line_offsets"][:-1],
-            arrays["sections.line_offsets"][1:],
-            strict=True,
-        )
-    ]
+    sections = _sections_of(arrays)
     frames, body = [], 0
     controlled = arrays.get("steps.controlled", arrays["steps.gauge"])  # earlier files have only what was controlled
     cracks = arrays["steps.crack_offsets"]
@@ -216,6 +260,29 @@ def _frames(arrays: dict[str, NDArray[Any]]) -> tuple[Frame, ...]:
         )
         body = own.stop
     return tuple(frames)
+
+
+def _sections_of(arrays: dict[str, NDArray[Any]]) -> list[Section]:
+    return [
+        Section(
+            arrays["sections.nucleus"][b0:b1],
+            arrays["sections.fine"][b0:b1],
+            arrays["sections.lines"][l0:l1],
+            arrays["sections.sides"][l0:l1],
+        )
+        for b0, b1, l0, l1 in zip(
+            arrays["sections.body_offsets"][:-1],
+            arrays["sections.body_offsets"][1:],
+            arrays["sections.line_offsets"][:-1],
+            arrays["sections.line_offsets"][1:],
+            strict=True,
+        )
+    ]
+
+
+def _joined(parts: list[NDArray[Any]], nothing: NDArray[Any]) -> NDArray[Any]:
+    """Arrays one after another, or this one where there are none."""
+    return np.concatenate(parts) if parts else nothing
 
 
 def _offsets(parts: Any) -> NDArray[np.int64]:

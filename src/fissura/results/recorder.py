@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,16 +12,19 @@ from fissura.errors import InputError
 from fissura.files import write_atomically, write_json
 from fissura.folder import Folder
 from fissura.interrupts import shielded
-from fissura.results.curve import COLUMNS, CurveWriter, GrowingCurve, case_columns, row
-from fissura.results.done import Done
+from fissura.results.chosen import ChosenStates
+from fissura.results.curve import COLUMN_OF, COLUMNS, CurveWriter, GrowingCurve, case_columns, row
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.result import Result
+from fissura.results.saving import CheckpointWriter
 from fissura.results.state import write_state
-from fissura.results.summary import build_summary, write_summary
+from fissura.results.summary import build_summary, peak_memory, write_summary
 
 if TYPE_CHECKING:
+    from fissura.results.resuming import Begun
     from fissura.simulation import Simulation
-    from fissura.step import Step
+    from fissura.state import State
+    from fissura.step import Moment, Snapshot, Step
 
 __all__ = ["Recorder"]
 
@@ -34,9 +38,9 @@ class Recorder:
     """Keeps what matters of every step, and writes it as the run goes on.
 
     The curve is up to date on disk after every step and the summary every second, so that a run that is killed keeps
-    them. Snapshots are kept for the steps at or first past ``k/n`` of the run's end (``n = case.output.vtk``, see
-    `fissura.results.done.Done`), for the peak load, and for the last step; no others. A signal that would end the
-    program waits until what is being written is whole.
+    them; now and then a checkpoint tells how to go on. Snapshots are kept for the steps that `ChosenStates` chooses,
+    for the peak load, and for the last step; no others. A signal that would end the program waits until what is being
+    written is whole.
 
     Parameters
     ----------
@@ -45,6 +49,8 @@ class Recorder:
         `time.perf_counter` [s]) where it has them, else from here.
     folder : Path or None
         Where to write; made if needed. None: keep the results in memory only.
+    begun : Begun, optional
+        What was recorded there of this run, to go on with.
 
     Raises
     ------
@@ -52,52 +58,57 @@ class Recorder:
         The folder cannot be made or written to.
     """
 
-    def __init__(self, simulation: Simulation, folder: Path | None) -> None:
+    def __init__(self, simulation: Simulation, folder: Path | None, begun: Begun | None = None) -> None:
         self._simulation = simulation
         self._cpu_start: float = getattr(simulation, "cpu_start", time.process_time())
         self._wall_start: float = getattr(simulation, "wall_start", time.perf_counter())
         self._table = GrowingCurve()
-        self._done = Done(simulation.case)
-        self._passed = 0
-        self._chosen: dict[int, Step] = {}
-        self._written: dict[int, float] = {}
+        self._states = ChosenStates(simulation.case, folder, self._own)
+        self._snapshots: dict[int, Snapshot] = {}
         self._told = 0.0
-        self._peak: Step | None = None
-        self._last: Step | None = None
+        self._peak: Moment | None = None
+        self._last: Moment | None = None
         self._path = folder
         self._curve: CurveWriter | None = None
+        self._saving: CheckpointWriter | None = None
         self._history = HistoryWriter(float(simulation.domain.bounds[:, 2].mean()))
         if folder is not None:
-            if (start := getattr(simulation, "tessellation", None)) is not None:
-                self._history.start(start)
             try:
-                folder.mkdir(parents=True, exist_ok=True)
-                self._folder = Folder.begun(folder, "run")
-                self._curve = self._open()
-                self._write_summary(self._summary("running", ""))
+                self._open(folder, begun)
             except OSError as error:
                 raise InputError(
                     str(folder), f"cannot be written ({error})", "a folder that can be made or written to"
                 ) from error
 
-    def add(self, step: Step) -> None:
-        """Record an accepted step."""
+    def add(self, step: Step, state: State | None = None) -> None:
+        """Record an accepted step, and the state after it if the run is to be resumed from there."""
         with shielded():
             values = row(step, self._cpu(), self._wall())
             self._table.add(values)
-            self._last = step
-            if self._peak is None or abs(step.load) > abs(self._peak.load):
-                self._peak = step
-            due = self._due(self._done.after(step))
+            self._last = step.moment
+            highest = self._peak is None or abs(step.load) > abs(self._peak.load)
+            if highest:
+                self._peak = self._last
+            due = self._states.due(self._last, step.done)
             if due:
-                self._chosen[step.number] = step
-            if self._curve is not None:
-                self._curve.write(values)
-                self._history.add(step)
-                if time.monotonic() - self._told >= EVERY:
-                    self._write_summary(self._summary("running", ""))
+                self._snapshots[step.number] = step.snapshot
+            if self._curve is None:
+                return
+            # Nothing is written before all of this is in memory: what fails to be written is still to be resumed.
+            self._history.add(step)
+            if self._saving is not None and state is not None:
+                self._saving.add(state, highest=highest)
+            self._curve.write(values)
             if due:
-                self._write_vtk(step)
+                self._states.write(self._last)
+            if self._saving is not None and self._saving.due:
+                self._write_checkpoint()
+            if time.monotonic() - self._told >= EVERY:
+                self._write_summary(self._summary("running", ""))
+
+    def watch(self, state: State, step: Step) -> None:
+        """Record an accepted step, as an observer of a run."""
+        self.add(step, state)
 
     def finish(self, status: str, message: str = "") -> Result:
         """Write what belongs to the end of the run, its final status last, and return the results.
@@ -115,15 +126,15 @@ class Recorder:
             A file cannot be written, or the user interrupts while pictures are drawn. Everything else is written; the
             attribute ``result`` has the results.
         """
-        for step in (self._peak, self._last):
-            if step is not None:
-                self._chosen[step.number] = step
+        for moment in (self._peak, self._last):
+            if moment is not None:
+                self._snapshots[moment.number] = moment.snapshot
         result = Result(
             case=self._simulation.case,
             full=self._simulation.full,
             curve=self._table.columns(),
             summary=self._summary(status, message),
-            snapshots={number: self._chosen[number].snapshot for number in sorted(self._chosen)},
+            snapshots=dict(sorted(self._snapshots.items())),
             folder=self._path,
         )
         for warning in result.summary["warnings"]:
@@ -152,15 +163,22 @@ class Recorder:
         return result
 
     def _save(self) -> None:
-        """Write the last states."""
-        if self._curve is not None:
-            self._curve.close()
-        for step in (self._peak, self._last):
-            if step is not None:
-                self._write_vtk(step)
-        if self._last is not None:
-            write_state(self._own("state_last.npz"), self._last)
-            self._history.write(self._own(FILE))
+        """Write the last states, and how to go on."""
+        written = tuple(self._states.written)  # a run that goes on has another peak and another last step
+        try:
+            if self._curve is not None:
+                self._curve.close()
+            for moment in (self._peak, self._last):
+                if moment is not None:
+                    self._states.write(moment)
+            if self._last is not None:
+                write_state(self._own("state_last.npz"), self._last)
+                self._history.write(self._own(FILE))
+        except BaseException:
+            with suppress(OSError):
+                self._write_checkpoint(written)
+            raise
+        self._write_checkpoint(written, at_end=True)
 
     def _draw(self, result: Result) -> None:
         if self._last is None:
@@ -180,38 +198,59 @@ class Recorder:
             )
         attempted("curve.png", lambda: plot_curve(result, self._own("curve.png")))
 
-    def _due(self, share: float) -> bool:
-        """Whether another of the evenly spaced shares of the run was reached."""
-        total, before = self._simulation.case.output.vtk, self._passed
-        while self._passed < total:
-            # The last step ends on the target up to round-off.
-            if share < (self._passed + 1) / total * (1 - 1e-9):
-                break
-            self._passed += 1
-        return self._passed > before
-
-    def _open(self) -> CurveWriter:
+    def _open(self, folder: Path, begun: Begun | None) -> None:
+        """Begin to write, or go on with it."""
+        folder.mkdir(parents=True, exist_ok=True)
         case = self._simulation.case
+        self._folder = Folder.begun(folder, "run") if begun is None else Folder.kept(folder, "run")
+        if begun is not None:
+            self._resume(folder, begun)
+        elif (start := getattr(self._simulation, "tessellation", None)) is not None:
+            self._history.start(start)
         source = getattr(case, "source", None)
         if isinstance(source, str):
             write_atomically(self._own("case.toml"), source.encode(errors="replace"))
         write_json(self._own("case.json"), case.model_dump(mode="json", exclude={"source"}))
-        return CurveWriter(self._own("curve.csv"), (*COLUMNS, *case_columns(case)))
+        names = (*COLUMNS, *case_columns(case))
+        curve = None if begun is None else begun.checkpoint.curve
+        self._curve = CurveWriter(self._own("curve.csv"), names, curve)
+        checkpoint = None if begun is None else begun.checkpoint
+        self._saving = CheckpointWriter(self._simulation, self._folder, self._history, checkpoint)
+        self._write_summary(self._summary("running", ""))
+
+    def _resume(self, folder: Path, begun: Begun) -> None:
+        """Take what was recorded up to a checkpoint, and remove what was written after it."""
+        found, case = begun.checkpoint, self._simulation.case
+        self._history.read(
+            [folder / name for name in found.sections], found.steps + 1, begun.last.snapshot.tessellation
+        )
+        self._table = GrowingCurve(found.curve)
+        self._peak, self._last = begun.peak, begun.last
+        self._cpu_start -= found.cpu_s
+        self._wall_start -= found.wall_s
+        reached = found.curve[COLUMN_OF[case.quantity]].tolist()
+        names = set(self._folder.names())
+        written = {number: reached[number - 1] for number in found.written}
+        self._states.resume(begun.share, abs(self._peak.load), written, names)
+        if found.owed:
+            self._snapshots[self._last.number] = self._last.snapshot
+            self._states.write(self._last)
+        for name in names:
+            if name.startswith(".section_") and name not in found.sections:
+                (folder / name).unlink(missing_ok=True)
+
+    def _write_checkpoint(self, written: tuple[int, ...] | None = None, *, at_end: bool = False) -> None:
+        if self._saving is not None:
+            states = tuple(self._states.written) if written is None else written
+            share, owed = self._states.share, self._states.owed
+            self._saving.write(
+                self._table.columns(), states, share, self._cpu(), self._wall(), owed=owed, at_end=at_end
+            )
 
     def _own(self, *names: str) -> Path:
         """Path of a file, the first one of some, that is about to be written."""
         self._folder.add(*names)
         return self._folder.path / names[0]
-
-    def _write_vtk(self, step: Step) -> None:
-        if self._path is None or self._simulation.case.output.vtk == 0 or step.number in self._written:
-            return
-        from fissura.results.vtk import SERIES, file_name, write_series, write_snapshot
-
-        self._own(*(file_name(kind, step.number) for kind in SERIES), *(f"{kind}.pvd" for kind in SERIES))
-        write_snapshot(self._path, step.number, step.snapshot)
-        self._written[step.number] = step.controlled
-        write_series(self._path, self._written)
 
     def _summary(self, status: str, message: str) -> dict[str, Any]:
         return build_summary(
@@ -221,6 +260,7 @@ class Recorder:
             message=message,
             cpu_s=self._cpu(),
             wall_s=self._wall(),
+            memory=peak_memory() if self._saving is None else self._saving.memory,
         )
 
     def _write_summary(self, summary: dict[str, Any]) -> None:

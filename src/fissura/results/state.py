@@ -12,7 +12,7 @@ from fissura.results.archive import read_archive, write_archive
 from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
 
 if TYPE_CHECKING:
-    from fissura.step import Snapshot, Step
+    from fissura.step import Moment, Snapshot, Step
 
 __all__ = ["FORMAT", "FORMAT_VERSION", "read_state", "write_state"]
 
@@ -27,7 +27,7 @@ SURFACE = ("body", "area", "centroid", "normal", "surface", "names")
 POLYGONS = ("points", "offsets", "facet")
 
 
-def write_state(path: Path, step: Step) -> None:
+def write_state(path: Path, step: Step | Moment) -> None:
     """Write the state of a step.
 
     The archive holds ``format``, ``format_version``, ``step``, ``gauge`` [m], ``load`` [N], the fields of

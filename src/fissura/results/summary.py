@@ -43,7 +43,14 @@ FORMAT_VERSION = 1
 
 
 def build_summary(
-    simulation: Simulation, curve: Curve, *, status: str, message: str, cpu_s: float, wall_s: float
+    simulation: Simulation,
+    curve: Curve,
+    *,
+    status: str,
+    message: str,
+    cpu_s: float,
+    wall_s: float,
+    memory: float,
 ) -> dict[str, Any]:
     """Summary of a run up to now.
 
@@ -59,6 +66,8 @@ def build_summary(
         Why it stopped, or ``""``.
     cpu_s, wall_s : float
         Processor and wall time since the simulation was built [s].
+    memory : float
+        Largest memory [bytes].
 
     Returns
     -------
@@ -97,7 +106,7 @@ def build_summary(
         "cpu_repeated_s": simulation.cpu_repeated,
         "cpu_refining_s": simulation.cpu_refining,
         "wall_s": wall_s,
-        "peak_memory_MB": peak_memory() / 1e6,
+        "peak_memory_MB": memory / 1e6,
         "warnings": [
             str(notice)
             for notice in (

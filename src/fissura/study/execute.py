@@ -11,6 +11,8 @@ from fissura.study.record import Record
 
 if TYPE_CHECKING:
     from fissura.results.curve import Row
+    from fissura.state import State
+    from fissura.step import Step
     from fissura.study.plan import Task
 
 __all__ = ["execute", "head_of", "warm_up"]
@@ -38,27 +40,34 @@ def execute(task: Task) -> Record:
         The user interrupts.
     """
     from fissura.memory import require_memory
+    from fissura.observer import watched
     from fissura.results.curve import columns, row
-    from fissura.results.summary import build_summary
+    from fissura.results.summary import build_summary, peak_memory
     from fissura.simulation import Simulation
     from fissura.study.indicators import Observer
 
     head = head_of(task)
     rows: list[Row] = []
+    observer: Observer | None = None
     cpu, wall = time.process_time(), time.perf_counter()
     aside_cpu = aside_wall = 0.0
-    simulation, observer = None, None
+    simulation = None
     status, message = "finished", ""
+
+    def watch(_: State, step: Step) -> None:
+        nonlocal aside_cpu, aside_wall
+        seen_cpu, seen_wall = time.process_time(), time.perf_counter()
+        rows.append(row(step, seen_cpu - cpu - aside_cpu, seen_wall - wall - aside_wall))
+        if observer is not None:
+            observer.add(step)
+        aside_cpu += time.process_time() - seen_cpu
+        aside_wall += time.perf_counter() - seen_wall
+
     try:
         require_memory(task.case, full=task.full)
         simulation = Simulation(task.case, full=task.full)
         observer = Observer(task.case.material.f_t, full=task.full)
-        for step in simulation.steps():
-            seen_cpu, seen_wall = time.process_time(), time.perf_counter()
-            rows.append(row(step, seen_cpu - cpu - aside_cpu, seen_wall - wall - aside_wall))
-            observer.add(step)
-            aside_cpu += time.process_time() - seen_cpu
-            aside_wall += time.perf_counter() - seen_wall
+        watched(simulation, watch)
     except RunStopped as error:
         status, message = "stopped", str(error)
     except InputError as error:
@@ -77,6 +86,7 @@ def execute(task: Task) -> Record:
         message=message,
         cpu_s=time.process_time() - cpu - aside_cpu,
         wall_s=time.perf_counter() - wall - aside_wall,
+        memory=peak_memory(),
     )
     return Record(
         **head,

@@ -1,0 +1,155 @@
+"""All that a run goes on from, as ``checkpoint.npz``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+from fissura.results.archive import read_archive, write_archive
+from fissura.results.curve import Curve
+from fissura.results.packing import pack, unpack
+from fissura.saved import TYPES, SavedState
+
+__all__ = ["FILE", "Checkpoint", "checkpoint_in", "read_checkpoint", "write_checkpoint"]
+
+FILE = "checkpoint.npz"
+FORMAT = "fissura-checkpoint"
+FORMAT_VERSION = 1
+
+_WHAT_TO_DO = "the checkpoint as the run left it; or begin anew, with --overwrite"
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Where a run stands, and what its recorder keeps.
+
+    Attributes
+    ----------
+    case : mapping
+        The case as plain data.
+    full : bool
+        Whether at full resolution.
+    versions : mapping of str to str
+        Of Fissura, Python and libraries.
+    state, peak : SavedState
+        After the last step, and after that of the largest load.
+    curve : dict of str to (steps,) array
+        The curve, to the last bit.
+    written : tuple of int
+        Steps whose states are written for ParaView.
+    owed : bool
+        The state of the last step is still to be written.
+    share : float
+        Share of the run that was done.
+    sections : tuple of str
+        Files that hold the section at every step.
+    cpu_s, wall_s, memory : float
+        Processor and wall time so far [s], and largest memory [bytes].
+    """
+
+    case: Mapping[str, Any]
+    full: bool
+    versions: Mapping[str, str]
+    state: SavedState
+    peak: SavedState
+    curve: Curve
+    written: tuple[int, ...]
+    owed: bool
+    share: float
+    sections: tuple[str, ...]
+    cpu_s: float
+    wall_s: float
+    memory: float
+
+    @property
+    def leg(self) -> int:
+        """The way that the run is on, counted from 0."""
+        leg = self.state.state.leg
+        return 0 if leg is None else leg.index
+
+    @property
+    def steps(self) -> int:
+        """Steps so far."""
+        return len(self.curve["step"])
+
+
+def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
+    """Write a checkpoint; what was there stays until it is whole.
+
+    Raises
+    ------
+    OSError
+        It cannot be written.
+    """
+    arrays: dict[str, NDArray[Any]] = {f"curve.{name}": values for name, values in checkpoint.curve.items()}
+    state = pack(checkpoint.state, "state", arrays)
+    at_peak = checkpoint.peak is checkpoint.state
+    text = {
+        "case": checkpoint.case,
+        "full": checkpoint.full,
+        "versions": checkpoint.versions,
+        "state": state,
+        "peak": None if at_peak else pack(checkpoint.peak, "peak", arrays),
+        "written": checkpoint.written,
+        "owed": checkpoint.owed,
+        "share": checkpoint.share,
+        "sections": checkpoint.sections,
+        "cpu_s": checkpoint.cpu_s,
+        "wall_s": checkpoint.wall_s,
+        "memory": checkpoint.memory,
+    }
+    arrays["text"] = np.frombuffer(json.dumps(text).encode(), dtype=np.uint8)
+    write_archive(path, FORMAT, FORMAT_VERSION, arrays)
+
+
+def checkpoint_in(folder: Path) -> Path:
+    """Path of the checkpoint in a folder.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    path = folder / FILE
+    if not path.is_file():
+        raise InputError(
+            "--resume",
+            f"{folder} has no {FILE}: no run has been there, or it ended before its first checkpoint",
+            "the folder of a run with one; or begin anew, without --resume or with --overwrite",
+        )
+    return path
+
+
+def read_checkpoint(folder: Path) -> Checkpoint:
+    """Read the checkpoint in a folder.
+
+    Raises
+    ------
+    InputError
+        There is none, or it is damaged, or another version of Fissura wrote it.
+    """
+    path = checkpoint_in(folder)
+    try:
+        arrays = read_archive(path, FORMAT, FORMAT_VERSION)
+    except InputError as error:
+        raise InputError(str(path), error.problem, _WHAT_TO_DO) from None
+    try:
+        text = json.loads(arrays["text"].tobytes())
+        state = unpack(text.pop("state"), arrays, TYPES)
+        peak = text.pop("peak")
+        curve = {name.removeprefix("curve."): values for name, values in arrays.items() if name.startswith("curve.")}
+        return Checkpoint(
+            **{**text, "written": tuple(text["written"]), "sections": tuple(text["sections"])},
+            state=state,
+            peak=state if peak is None else unpack(peak, arrays, TYPES),
+            curve=curve,
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(str(path), f"is damaged ({type(error).__name__}: {error})", _WHAT_TO_DO) from None
