@@ -63,7 +63,7 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
     drive = system.drive
     if drive.quantity == "gauge" and drive.gauge is not None:
         gauges[drive.gauge] = new.value  # without round-off
-    spent = system.dissipated(old.response, new.response)
+    spent = system.dissipated(old.response, new.response)[: len(system.tessellation.contacts)]
     more = 0.5 * (totals.forces + forces) @ (displacements - totals.displacements)
     work = totals.work + float(more)
     totals = replace(
@@ -122,6 +122,7 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
         done=model.done(after),
         forces=dict(zip(conditions.load_names, forces.tolist(), strict=True)),
         displacements=dict(zip(conditions.load_names, displacements.tolist(), strict=True)),
+        held=tuple(held.name for held in conditions.held),
         gauges=dict(zip(conditions.gauge_names, gauges.tolist(), strict=True)),
     )
     return after, step
@@ -130,18 +131,19 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
 def snapshot_of(system: System, found: Found) -> Snapshot:
     """What can be seen of a state of equilibrium."""
     response, contacts = found.equilibrium.response, system.tessellation.contacts
-    damage = np.zeros(len(contacts))
+    n, m = len(system.tessellation), len(contacts)
+    strain, damage = response.strain[:m], np.zeros(m)
     damage[system.active] = system.law.damage(response.history)
     return Snapshot(
         tessellation=system.tessellation,
-        displacement=response.u.reshape(-1, 6),
+        displacement=response.u.reshape(-1, 6)[:n],
         stress=found.elastic.stress,
         criterion=found.criterion,
-        strain=response.strain,
-        traction=response.traction,
-        tangents=system.geometry.frame[:, 1:],
+        strain=strain,
+        traction=response.traction[:m],
+        tangents=system.geometry.frame[:m, 1:],
         damage=damage,
-        opening=contacts.length * damage * np.maximum(response.strain[:, 0], 0.0),
+        opening=contacts.length * damage * np.maximum(strain[:, 0], 0.0),
         body_factor=system.body_factor,
         contact_factor=system.contact_factor,
     )

@@ -116,6 +116,8 @@ class Step:
         The controlled quantity: "gauge" or "displacement" of the load.
     reactions : (s, 6) array
         Force [N] and moment about the middle of its place [N m] of every support, on the specimen.
+    held : (s,) tuple of str
+        Names of the supports, and of what guides platens.
     rest : (6,) array
         Force [N], and moment about the middle of the load's place [N m], that load and reactions leave out of balance.
     dissipated_at : (L + s + 1,) array
@@ -160,6 +162,7 @@ class Step:
     reactions: FloatArray = field(default_factory=lambda: np.zeros((0, 6)))
     rest: FloatArray = field(default_factory=lambda: np.zeros(6))
     dissipated_at: FloatArray = field(default_factory=lambda: np.zeros(2))
+    held: tuple[str, ...] = ()
     stage: int = 1
     done: float = 0.0
     forces: Mapping[str, float] = field(default_factory=lambda: {"load": 0.0})

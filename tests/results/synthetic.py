@@ -144,6 +144,7 @@ def step(number, gauge, load, shot=None, **changes):
         "max_elastic_utilisation": 0.8,
         "residual": 1e-6,
         "snapshot": snapshot(stack()) if shot is None else shot,
+        "held": ("support_0",),
         "reactions": np.zeros((1, 6)),
         "dissipated_at": np.zeros(3),
         "done": min(max(gauge / 1e-4, 0.0), 1.0),

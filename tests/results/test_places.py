@@ -15,8 +15,9 @@ from .synthetic import simulation, step
 def curve(*at, dissipated=1.0):
     """Curve that ends with energies at the load, at supports, and at any of them."""
     reactions = np.arange(6.0 * (len(at) - 2)).reshape(-1, 6)
-    early = step(1, 1e-6, 1.0, dissipated=0.0, dissipated_at=0.0 * np.array(at), reactions=reactions)
-    late = step(2, 2e-6, 2.0, dissipated=dissipated, dissipated_at=np.array(at), reactions=reactions, work=2.0)
+    places = {"reactions": reactions, "held": tuple(f"support_{k}" for k in range(len(reactions)))}
+    early = step(1, 1e-6, 1.0, dissipated=0.0, dissipated_at=0.0 * np.array(at), **places)
+    late = step(2, 2e-6, 2.0, dissipated=dissipated, dissipated_at=np.array(at), **places, work=2.0)
     return columns([row(early, 0.0, 0.0), row(late, 0.0, 0.0)])
 
 

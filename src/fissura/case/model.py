@@ -22,6 +22,7 @@ from fissura.case.material import Macro, Material
 from fissura.case.materials import MaterialRegion
 from fissura.case.part import Part
 from fissura.case.place import Notch, Patch
+from fissura.case.platen import PlatenOfLoad, PlatenOfSupport
 from fissura.case.programme import GRAVITY, Control, Gravity, LoadingStage, Stage, resolved_stages
 from fissura.case.ranges import LONGEST, unless
 from fissura.case.region import BallRegion, BoxRegion
@@ -90,12 +91,14 @@ class Support(Patch):
     """Patch of the surface that is held."""
 
     type: Literal["pin", "roller", "clamp", "guide"] = Field(description='"pin", "roller", "clamp" or "guide"')
+    platen: PlatenOfSupport = None
 
 
 class Load(Patch):
     """Patch of the surface that is loaded; direction None: into the specimen."""
 
     direction: Direction | None = Field(default=None, description="three numbers")
+    platen: PlatenOfLoad = None
 
 
 class Gauge(Part):

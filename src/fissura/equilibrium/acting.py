@@ -43,8 +43,18 @@ class Acting:
     gauge_rows: csr_array
 
     @classmethod
-    def on(cls, conditions: Conditions, tessellation: Tessellation) -> Acting:
-        """Attach conditions to the bodies of a discretization."""
+    def on(cls, conditions: Conditions, tessellation: Tessellation, whole: Tessellation) -> Acting:
+        """Attach conditions to the bodies of a discretization.
+
+        Parameters
+        ----------
+        conditions : Conditions
+            Loads, supports and gauges.
+        tessellation : Tessellation
+            Bodies of the specimen.
+        whole : Tessellation
+            The same, with platens after them.
+        """
         placed, supports = conditions.loads, conditions.supports
         owners = _owners((*placed, *supports), tessellation)
         of_loads, of_supports = owners[: len(placed)], owners[len(placed) :]
@@ -58,9 +68,9 @@ class Acting:
             placed,
             supports,
             (*of_loads, *of_supports),
-            _rows(placed, tessellation, of_loads),
-            _rows(supports, tessellation, of_supports),
-            _rows(conditions.gauges, tessellation, _owners(conditions.gauges, tessellation)),
+            _rows(placed, whole, of_loads),
+            _rows(supports, whole, of_supports),
+            _rows(conditions.gauges, whole, _owners(conditions.gauges, tessellation)),
         )
 
     def points_and_forces(self, forces: FloatArray, held: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:

@@ -17,9 +17,12 @@ FloatArray = NDArray[np.float64]
 
 
 def owners_of(functionals: Sequence[Functional], bodies: Bodies) -> NDArray[np.int64]:
-    """Bodies that own the points of several functionals, one after the other."""
+    """Bodies that own the points of several functionals, one after the other; platens come after all bodies."""
     points = np.concatenate([f.points for f in functionals])
-    return owners(bodies, points, np.concatenate([f.cells for f in functionals]))
+    found = owners(bodies, points, np.concatenate([f.cells for f in functionals]))
+    on = [np.full(len(f.points), -1 if f.platen is None else len(bodies) + f.platen) for f in functionals]
+    platen = np.concatenate(on)
+    return np.where(platen < 0, found, platen)
 
 
 def attach(functional: Functional, tessellation: Tessellation) -> FloatArray:

@@ -44,17 +44,22 @@ def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: b
         raise InputError(key, f"{what} is a single rigid body", "a smaller spacing")
     leading = {drive.gauge for drive in conditions.drives if drive.quantity == "gauge"}
     gauges = [k for k in range(len(conditions.gauges)) if k in leading or not start]
-    loads, measures = conditions.loads, [conditions.gauges[k] for k in gauges]
-    functionals = (*loads, *conditions.supports, *measures)
+    # What acts on platens acts on many bodies, whatever these are.
+    loads = [load for load in conditions.loads if load.platen is None]
+    keys = [key for key, load in zip(conditions.load_keys, conditions.loads, strict=False) if load.platen is None]
+    held = [support for support in conditions.supports if support.platen is None]
+    functionals = (*loads, *held, *(conditions.gauges[k] for k in gauges))
+    if not functionals:
+        return
     body = owners_of(functionals, bodies)
     rows = attach_rows(functionals, bodies, body)
     used = np.unique(rows.indices)
     dense = rows[:, used].toarray() / np.where(used % 6 < 3, 1.0, arm)
-    supports = dense[len(loads) : len(loads) + len(conditions.supports)]
+    supports = dense[len(loads) : len(loads) + len(held)]
     finer = ", or bodies that are fine there from the start (adaptivity.regions, discretization.l_c)" if start else ""
     when = " at the start" if start else ""
     ends = np.cumsum([len(f.points) for f in functionals])
-    for row, k in enumerate(gauges, len(loads) + len(conditions.supports)):
+    for row, k in enumerate(gauges, len(loads) + len(held)):
         gauge, key, measured = conditions.gauges[k], conditions.gauge_keys[k], dense[row]
         owner = body[ends[row] - len(gauge.points) : ends[row]]
         most = np.abs(gauge.coefficients).sum()
@@ -66,7 +71,7 @@ def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: b
             )
         if _spanned(measured, supports):
             raise InputError(key, f"supports hold both of its ends{when}", f"places that can move{finer}")
-    for key, load in zip(conditions.load_keys, dense[: len(loads)], strict=False):  # the weight has a key, and no row
+    for key, load in zip(keys, dense[: len(loads)], strict=True):
         if _spanned(load, supports):
             raise InputError(
                 key, f"acts on bodies that the supports hold{when}, and moves nothing", f"a place beside them{finer}"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array
 
 from fissura.contact import (
     AppliedLaw,
@@ -27,6 +27,7 @@ from fissura.equilibrium.active import changes, put_rows
 from fissura.equilibrium.assembly import Pattern, add_spin, assemble, assemble_secant, pattern
 from fissura.equilibrium.krylov import dot
 from fissura.equilibrium.low_rank import LowRank
+from fissura.equilibrium.platens import with_platens
 from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.reactions import Carried, Reactions, carried, reactions
 from fissura.equilibrium.symmetric import SymmetricSolver
@@ -59,6 +60,9 @@ _SPIN_STIFFNESS, _SPIN_STIFFNESS_OF_FEW = 1e-6, 1e-4
 #: Contacts up to which they are few: bodies at corners and edges have 5 or 6, others 15.
 _FEW = 6
 
+
+#: Stiffness that holds platens, over that of their contacts: far below the error of equilibrium.
+_ANCHOR = 1e-13
 
 #: Length at which coarse contacts are asked for their strength, over that of the shortest contact.
 _SHORT = 1e-3
@@ -127,6 +131,9 @@ class System:
         Contacts that are not fine.
     elastic_scale : float
         Factor on the stiffness of coarse contacts; 1 unless made by :meth:`scaled`.
+    platens : WithPlatens
+        The n bodies with p platens after them, and their m + k contacts: these are what displacements and strains are
+        of.
     acting : Acting
         Loads, supports and gauges on the bodies.
     drive, kept : Drive, (L,) array
@@ -154,11 +161,16 @@ class System:
                 "so small that there are several bodies",
             )
         self.tessellation = tessellation
+        self.platens = with_platens(tessellation, conditions.platens)
+        whole = self.platens.tessellation
+        inner, contacts = len(contacts), whole.contacts
         several = LawOfMaterials(law, material if isinstance(material, Materials) else Materials(material))
         kinds = several.materials.kinds(tessellation.x)
-        ends = kinds[contacts.bodies]
-        self.geometry: Kinematics = kinematics(tessellation)
+        # Contacts with platens are of the material of their bodies, and never break.
+        ends = np.concatenate([kinds[contacts.bodies[:inner]], kinds[contacts.bodies[inner:, [0, 0]]]])
+        self.geometry: Kinematics = kinematics(whole)
         may_crack = ~elastic.contains(contacts.centroid)
+        may_crack[inner:] = False
         self.active: IntArray = np.flatnonzero(contacts.fine & may_crack)
         self.passive: IntArray = np.flatnonzero(~(contacts.fine & may_crack))
         self.coarse: IntArray = np.flatnonzero(~contacts.fine)
@@ -168,29 +180,31 @@ class System:
         self.law: AppliedLaw = several.create(ends[self.active], contacts.length[self.active], scale, ductility)
         # Coarse contacts have no softening and hence no limit on their length: only their strength is asked for, which
         # is the same at a length that every law allows.
-        short = _SHORT * float(contacts.length.min())
+        short = _SHORT * float(contacts.length[:inner].min())
         scale = None if field is None else field.strength(contacts.centroid[self._guarded])
         self.elastic_law: AppliedLaw = several.create(ends[self._guarded], np.full(len(self._guarded), short), scale)
         self.elastic_scale = 1.0
         self._elastic: FloatArray = several.elastic(ends)
+        if self.platens.share is not None:
+            self._elastic *= self.platens.share
         self._strength: FloatArray = several.strength(kinds)
         self._stiffest = float(self._elastic[:, 0].max())
         self.moduli = self._moduli(1.0)
         self.conditions = conditions
-        self.acting = Acting.on(conditions, tessellation)
+        self.acting = Acting.on(conditions, tessellation, whole)
         rows = self.acting.support_rows
         self.support_dofs: IntArray = np.unique(rows.indices).astype(np.int64)
         self.support_rows: FloatArray = rows[:, self.support_dofs].toarray()
         self.support_stiffness: FloatArray = self._support_stiffness(rows)
         self.constant, wide = self._supports(rows)
         self.pattern: Pattern = pattern(self.geometry, self.constant, self._spin(), wide)
-        self.symmetric = SymmetricSolver(self.pattern, tessellation.x, linear, team)
+        self.symmetric = SymmetricSolver(self.pattern, whole.x, linear, team)
         self.team = team
         self.prepared = PreparedSecant(self, self.symmetric)
         self._set_drive(conditions.main, np.zeros(len(conditions.load_names)))
         # Moments count as forces at the arm of half a contact.
-        arm = 0.5 * float(np.median(contacts.length))
-        self.weights: FloatArray = np.tile(np.repeat([1.0, 1.0 / arm], 3), len(tessellation))
+        arm = 0.5 * float(np.median(contacts.length[:inner]))
+        self.weights: FloatArray = np.tile(np.repeat([1.0, 1.0 / arm], 3), len(whole))
 
     @cached_property
     def strength(self) -> FloatArray:
@@ -207,7 +221,7 @@ class System:
         """Relative strength of contacts, shape (m,), 1 in elastic regions; None without a field."""
         if self.field is None:
             return None
-        out = np.ones(len(self.geometry))
+        out = np.ones(len(self.tessellation.contacts))
         out[self.active], out[self._guarded] = self.law.scale, self.elastic_law.scale
         return out
 
@@ -271,22 +285,39 @@ class System:
         A functional whose coefficients are shared by N bodies moves by the mean of their displacements, and the
         structure resists that with some contacts of each of them.
         """
-        contacts = self.tessellation.contacts
+        inner, n = self.tessellation.contacts, len(self.tessellation)
+        contacts = self.platens.tessellation.contacts
         ends, length = contacts.bodies.ravel(), np.repeat(contacts.length, 2)
-        count = np.bincount(ends, minlength=len(self.tessellation))
+        count = np.bincount(ends, minlength=len(self.platens.tessellation))
         arm = 0.5 * np.bincount(ends, length, len(count)) / np.maximum(count, 1)
         entries = rows.tocoo()
         share = entries.data / np.where(entries.col % 6 < 3, 1.0, arm[entries.col // 6])
         shares = np.bincount(entries.row, share**2, rows.shape[0])
-        typical = self._stiffest * float(np.median(contacts.area / contacts.length))
-        return np.asarray(_SUPPORT_STIFFNESS * typical / shares, dtype=np.float64)
+        typical = self._stiffest * float(np.median(inner.area / inner.length))
+        stiffness = _SUPPORT_STIFFNESS * typical / shares
+        # A platen resists with all of its contacts.
+        platen = np.full(rows.shape[0], -1)
+        platen[entries.row] = entries.col // 6 - n
+        for k, own in enumerate(self.platens.contacts):
+            whole = float((self._elastic[own, 0] * contacts.area[own] / contacts.length[own]).sum())
+            stiffness[platen == k] = _SUPPORT_STIFFNESS * whole
+        return np.asarray(stiffness, dtype=np.float64)
 
     def _supports(self, rows: csr_array) -> tuple[csr_array, LowRank]:
         """Stiffness of the supports: that of narrow ones as a matrix, that of wide ones as its few rows."""
         held = np.array([len(np.unique(rows.indices[a:b] // 6)) for a, b in pairwise(rows.indptr)])
         scaled = csr_array(rows.multiply(np.sqrt(self.support_stiffness)[:, None]))
         narrow = csr_array(scaled[held <= _NARROW])
-        return csr_array(narrow.T @ narrow), LowRank.of(csr_array(scaled[held > _NARROW]), 1.0)
+        return csr_array(narrow.T @ narrow + self._anchors()), LowRank.of(csr_array(scaled[held > _NARROW]), 1.0)
+
+    def _anchors(self) -> csr_array:
+        """A trace of stiffness that holds platens: solvers then treat them as they treat supports, which is last."""
+        contacts = self.platens.tessellation.contacts
+        stiffness = np.zeros((len(self.platens.tessellation), 6))
+        for k, own in enumerate(self.platens.contacts, len(self.tessellation)):
+            whole = _ANCHOR * float((self._elastic[own, 0] * contacts.area[own] / contacts.length[own]).sum())
+            stiffness[k] = whole * np.repeat([1.0, contacts.area[own].sum()], 3)
+        return csr_array(diags_array(stiffness.ravel()))
 
     def _spin(self) -> FloatArray:
         """A trace of rotational stiffness in every contact [N m], shape (m,).
@@ -296,11 +327,12 @@ class System:
         found where that begins. The stiffness against relative rotation of a facet glued over its whole area, ``E A^2 /
         (12 L)``, times a tiny factor stops that; it does no work in uniform strain, where rotations are equal.
         """
-        contacts = self.tessellation.contacts
-        count = np.bincount(contacts.bodies.ravel(), minlength=len(self.tessellation))
+        contacts = self.platens.tessellation.contacts
+        count = np.bincount(contacts.bodies.ravel(), minlength=len(self.platens.tessellation))
         few = (count[contacts.bodies] <= _FEW).any(axis=1)
         share = np.where(few, _SPIN_STIFFNESS_OF_FEW, _SPIN_STIFFNESS)
         stiffness: FloatArray = share * self._elastic[:, 0] * contacts.area**2 / (12.0 * contacts.length)
+        stiffness[len(self.tessellation.contacts) :] = 0.0  # platens that can turn transmit no moment at all
         return stiffness
 
     @property
@@ -465,7 +497,7 @@ class System:
 
     def elastic_utilisation(self, response: Response) -> FloatArray:
         """Effective traction over strength of coarse contacts, 0 for fine ones and in elastic regions; shape (m,)."""
-        out = np.zeros(len(self.geometry))
+        out = np.zeros(len(self.tessellation.contacts))
         out[self._guarded] = self.elastic_law.utilisation(self.elastic_scale * response.strain[self._guarded])
         return out
 
@@ -481,7 +513,9 @@ class System:
     @cached_property
     def carried(self) -> Carried:
         """Contacts of the bodies on which loads and supports act; the weight, which acts on all, is left out."""
-        loads, bodies = len(self.conditions.loads), self.acting.bodies
+        loads, n = len(self.conditions.loads), len(self.tessellation)
+        # What acts on a platen acts on the bodies under it.
+        bodies = [self.platens.bodies[some[0] - n] if some[0] >= n else some for some in self.acting.bodies]
         first = len(self.acting.loads)
         ends = first + np.cumsum([0, *(held.functionals for held in self.conditions.held)])
         supports = [np.concatenate(bodies[a:b]) for a, b in pairwise(ends)]
@@ -495,7 +529,8 @@ class System:
     def stress(self, response: Response, load: float) -> FloatArray:
         """Stress in bodies [Pa], with the forces of loads and supports at their points; shape (n, 3, 3)."""
         external = self.acting.points_and_forces(self.forces(load), self.support_forces(response))
-        return body_stress(self.tessellation, self.geometry.frame, response.traction, *external)
+        whole = body_stress(self.platens.tessellation, self.geometry.frame, response.traction, *external)
+        return whole[: len(self.tessellation)]
 
     def elastic_share(self, solutions: FloatArray) -> float:
         """Part of the undamaged gauge compliance that is due to coarse contacts [m/N].

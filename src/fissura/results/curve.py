@@ -132,7 +132,9 @@ def case_columns(case: Case) -> tuple[str, ...]:
     loads = [load.name for load in case.named_loads]
     weight = [] if case.gravity is None else [GRAVITY]
     named = (*_load_columns([*loads, *weight]), *_gauge_columns([gauge.name for gauge in case.named_gauges]))
-    return (*named, *_place_columns(loads, len(case.supports)))
+    guided = [load for load in case.named_loads if load.part.platen is not None and load.part.platen.turning != "free"]
+    held = [*(f"support_{k}" for k in range(len(case.supports))), *(f"platen_{load.name}" for load in guided)]
+    return (*named, *_place_columns(loads, held))
 
 
 def _load_columns(names: Iterable[str]) -> tuple[str, ...]:
@@ -143,11 +145,10 @@ def _gauge_columns(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(f"gauge_{name}_m" for name in names if name != "gauge")
 
 
-def _place_columns(loads: Iterable[str], supports: int) -> tuple[str, ...]:
-    names = [f"support_{k}" for k in range(supports)]
+def _place_columns(loads: Iterable[str], held: Sequence[str]) -> tuple[str, ...]:
     energies = [ENERGY_AT.format(LOAD if name == LOAD else f"load_{name}") for name in loads]
-    energies += [ENERGY_AT.format(name) for name in names]
-    return (*energies, *(f"{name}_{part}" for name in names for part in REACTION))
+    energies += [ENERGY_AT.format(name) for name in held]
+    return (*energies, *(f"{name}_{part}" for name in held for part in REACTION))
 
 
 def row(step: Step, cpu_s: float, wall_s: float) -> Row:
@@ -173,7 +174,7 @@ def row(step: Step, cpu_s: float, wall_s: float) -> Row:
             of_load = (step.forces[name], step.displacements[name])
             more |= zip((column.format(name) for column in NAMED), of_load, strict=True)
     more |= zip(_gauge_columns(step.gauges), (v for name, v in step.gauges.items() if name != "gauge"), strict=True)
-    places = _place_columns([name for name in step.forces if name != GRAVITY], len(step.reactions))
+    places = _place_columns([name for name in step.forces if name != GRAVITY], step.held)
     more |= zip(places, [*at, *step.reactions.ravel().tolist()], strict=True)
     return {
         "step": step.number,

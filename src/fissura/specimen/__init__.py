@@ -2,7 +2,15 @@
 
 from fissura.specimen.build import SHAPES, domain_from_case
 from fissura.specimen.complex import Complex
-from fissura.specimen.conditions import Conditions, Drive, Functional, Weight, conditions_from_case, load_direction
+from fissura.specimen.conditions import (
+    Conditions,
+    Drive,
+    Functional,
+    Platen,
+    Weight,
+    conditions_from_case,
+    load_direction,
+)
 from fissura.specimen.domain import Domain, SurfacePart
 from fissura.specimen.edges import edge_notices
 from fissura.specimen.gauge import backward_gauge, gauge_notices
@@ -20,6 +28,7 @@ __all__ = [
     "Functional",
     "Notch",
     "Place",
+    "Platen",
     "Solid",
     "SurfacePart",
     "Weight",

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from fissura.case import Case, Gauge, Load, LoadingStage
-    from fissura.specimen.domain import Domain
+    from fissura.case.platen import Platen as PlatenPart
+    from fissura.specimen.domain import Domain, SurfacePart
 
 __all__ = [
     "SUPPORTS",
@@ -29,6 +30,7 @@ __all__ = [
     "Drive",
     "Functional",
     "Held",
+    "Platen",
     "Weight",
     "conditions_from_case",
     "load_direction",
@@ -52,11 +54,14 @@ class Functional:
         Weights of the displacement components.
     cells : (k,) array
         The convex cell of the specimen behind each point.
+    platen : int or None
+        The platen to which the points belong; None for points of the specimen.
     """
 
     points: FloatArray
     coefficients: FloatArray
     cells: IntArray
+    platen: int | None = None
 
     @property
     def middle(self) -> FloatArray:
@@ -73,7 +78,7 @@ class Functional:
 
 @dataclass(frozen=True)
 class Held:
-    """A support as a whole.
+    """A support as a whole, or what guides the platen of a load.
 
     Attributes
     ----------
@@ -81,10 +86,35 @@ class Held:
         Centroid of its place [m].
     functionals : int
         How many functionals it has.
+    name : str
+        Its name in results.
     """
 
     middle: FloatArray
     functionals: int
+    name: str = "support_0"
+
+
+@dataclass(frozen=True)
+class Platen:
+    """A rigid body on a part of the surface.
+
+    Attributes
+    ----------
+    key : str
+        Where the case has it.
+    parts : tuple of SurfacePart
+        What it covers.
+    middle : (3,) array
+        Its centroid [m].
+    contact : str
+        "glued" or "frictionless".
+    """
+
+    key: str
+    parts: tuple[SurfacePart, ...]
+    middle: FloatArray
+    contact: str
 
 
 @dataclass(frozen=True)
@@ -146,6 +176,8 @@ class Conditions:
         Whether the load of the last stage points out of the specimen.
     weight : Weight or None
         The weight, where there is gravity.
+    platens : tuple of Platen
+        Platens on which supports and loads act.
     """
 
     supports: tuple[Functional, ...]
@@ -159,6 +191,7 @@ class Conditions:
     held: tuple[Held, ...] = ()
     pulls: bool = False
     weight: Weight | None = None
+    platens: tuple[Platen, ...] = ()
 
     @classmethod
     def single(cls, supports: tuple[Functional, ...], load: Functional) -> Conditions:
@@ -281,22 +314,29 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
     l_f = case.discretization.l_f
     supports: list[Functional] = []
     held: list[Held] = []
+    platens: list[Platen] = []
     for k, part in enumerate(case.supports):
+        key = f"supports[{k}]"
         kind = SUPPORTS.get(part.type)
         if kind is None:
-            raise InputError(f"supports[{k}].type", f"{part.type!r} is not known", ", ".join(SUPPORTS))
-        place = place_from_part(part, domain, l_f, f"supports[{k}]")
-        rows = [row for row in kind(place, f"supports[{k}].{part.naming}") if row is not None]
-        supports += rows
-        held.append(Held(place.centroid, len(rows)))
+            raise InputError(f"{key}.type", f"{part.type!r} is not known", ", ".join(SUPPORTS))
+        place = place_from_part(part, domain, l_f, key)
+        rows = [row for row in kind(place, f"{key}.{part.naming}") if row is not None]
+        supports += _on_platen(rows, place, part.platen, platens, f"{key}.platen")
+        held.append(Held(place.centroid, len(rows), f"support_{k}"))
     _check_stability(supports, domain.bounds.mean(axis=0), float(domain.size.max()))
 
     loads, pulls = [], []
     for load in case.named_loads:
         place = place_from_part(load.part, domain, l_f, load.key)
         outward, direction = place.outward, load_direction(load.part, place, load.key)
-        loads.append(_mean(place, direction))
+        platen = load.part.platen
+        loads += _on_platen([_mean(place, direction)], place, platen, platens, f"{load.key}.platen")
         pulls.append(outward is not None and float(direction @ outward) > 0.0)
+        if platen is not None and platen.turning != "free":
+            guides = _guides(place, direction, platen.turning, f"{load.key}.platen.turning")
+            supports += [replace(row, platen=len(platens) - 1) for row in guides]
+            held.append(Held(place.centroid, len(guides), f"platen_{load.name}"))
     names = [load.name for load in case.named_loads]
     keys = [load.key for load in case.named_loads]
     weight = None
@@ -320,7 +360,32 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
         tuple(held),
         pulls[int(np.argmax(drives[-1].ratios != 0.0))],
         weight,
+        tuple(platens),
     )
+
+
+def _on_platen(
+    rows: Sequence[Functional], place: Place, part: PlatenPart | None, platens: list[Platen], key: str
+) -> list[Functional]:
+    """Functionals of a place, on a platen where the case has one; that is added to the list."""
+    if part is None:
+        return list(rows)
+    if not place.parts:
+        raise InputError(key, "lies on a line or a point, and has no area", "a place with a width, a box or a surface")
+    platens.append(Platen(key, place.parts, place.centroid, part.contact))
+    return [replace(row, platen=len(platens) - 1) for row in rows]
+
+
+def _guides(place: Place, direction: FloatArray, turning: str, key: str) -> list[Functional]:
+    """What a platen that moves along a load cannot do: go sideways, turn about any axis, or any but its hinge."""
+    across = np.linalg.svd(direction[None, :])[2][1:]
+    axes = list(np.eye(3))
+    if turning == "hinged":
+        if place.hinge is None:
+            raise InputError(key, "the place has no line about which the platen could turn", '"free" or "held"')
+        axes = list(np.linalg.svd(place.hinge[None, :])[2][1:])
+    rows = [_mean(place, unit) for unit in across] + [_rotation(place, unit) for unit in axes]
+    return [row for row in rows if row is not None]
 
 
 def _drive(stage: LoadingStage, loads: Sequence[str], gauges: Sequence[str]) -> Drive:

@@ -54,6 +54,8 @@ class Place:
     along : (3,) array
         Unit vector on the surface along which the place is given: across a line, and across the platen that a strip
         stands for.
+    parts : tuple of SurfacePart
+        What of the surface it is; empty for lines and points.
     """
 
     points: FloatArray
@@ -61,6 +63,7 @@ class Place:
     normals: FloatArray
     cells: IntArray
     along: FloatArray
+    parts: tuple[SurfacePart, ...] = ()
 
     @property
     def centroid(self) -> FloatArray:
@@ -167,4 +170,6 @@ def _checked(sample: Sample, domain: Domain) -> Place:
         problem = "lies in the plane of an ideal cut, in the mouth of a notch: neither side owns it"
         raise InputError(sample.key, problem, "a place on the specimen's surface beside the notch")
     size = sample.size[clear] / sample.size[clear].max()  # equal ones have a sum without round-off
-    return Place(sample.points[clear], size / size.sum(), sample.normals[clear], sample.cells[clear], sample.along)
+    return Place(
+        sample.points[clear], size / size.sum(), sample.normals[clear], sample.cells[clear], sample.along, sample.parts
+    )

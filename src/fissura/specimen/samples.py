@@ -50,6 +50,8 @@ class Sample:
         Unit vector along which the place is given.
     key : str
         Key of the case that decides where they are.
+    parts : tuple of SurfacePart
+        What they are sampled over; empty for lines and points.
     """
 
     points: FloatArray
@@ -58,6 +60,7 @@ class Sample:
     cells: IntArray
     along: FloatArray
     key: str
+    parts: tuple[SurfacePart, ...] = ()
 
     @classmethod
     def behind(
@@ -93,7 +96,7 @@ def over(parts: Sequence[SurfacePart], along: FloatArray, spacing: float, key: s
     count = [len(area) for area in size]
     normals = np.repeat([part.normal for part in parts], count, axis=0)
     cells = np.repeat(np.array([part.cell for part in parts], dtype=np.int64), count)
-    return Sample(np.concatenate(points), np.concatenate(size), normals, cells, along, key)
+    return Sample(np.concatenate(points), np.concatenate(size), normals, cells, along, key, tuple(parts))
 
 
 def at_coordinate(part: PatchPart, domain: Domain, parts: Sequence[SurfacePart], spacing: float, key: str) -> Sample:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fissura.tessellation.discretize import discretize, tessellate
+from fissura.tessellation.footprint import Footprint, footprint
 from fissura.tessellation.nuclei import Nuclei, nuclei_from_case
 from fissura.tessellation.owners import Bodies, owners
 from fissura.tessellation.placement import place
@@ -12,11 +13,13 @@ from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Te
 __all__ = [
     "Bodies",
     "Contacts",
+    "Footprint",
     "Nuclei",
     "Polygons",
     "SurfaceFacets",
     "Tessellation",
     "discretize",
+    "footprint",
     "nuclei_from_case",
     "owners",
     "place",

@@ -180,10 +180,8 @@ class Tessellation:
         return None if self.pieces is None else self.pieces[self.pieces[:, 1] == cell, 0]
 
     def without_shapes(self) -> Tessellation:
-        """The same without the polygons of facets and without cells: all that equations need, in half the memory."""
-        none = Polygons.none()
-        contacts, surface = replace(self.contacts, polygons=none), replace(self.surface, polygons=none)
-        return replace(self, contacts=contacts, surface=surface, cells=None)
+        """The same without the polygons of contacts and without cells: all that equations need, in half the memory."""
+        return replace(self, contacts=replace(self.contacts, polygons=Polygons.none()), cells=None)
 
     def __len__(self) -> int:
         return len(self.x)
