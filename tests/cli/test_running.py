@@ -30,7 +30,8 @@ def test_new_prints_a_valid_case(tmp_path: Path, name: str) -> None:
 
 
 KINDS = [
-    *("anchor", "beam", "brazilian", "disc-with-hole", "dog-bone", "double-edge-notched", "l-panel", "mesh"),
+    *("anchor", "beam", "brazilian", "disc-with-hole", "dog-bone", "double-edge-notched"),
+    *("four-point", "l-panel", "mesh"),
     *("tension", "torsion", "wedge-splitting"),
 ]
 
