@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from fissura.bulk import bulk_law
-from fissura.case import Case, LoadingStage
+from fissura.case import Case, Gravity, LoadingStage
 from fissura.errors import InputError, Notice
 from fissura.memory import estimate_memory, gigabytes, physical_memory, require_memory
 
@@ -45,6 +45,8 @@ class CheckReport:
         a notch.
     stages : tuple of pairs of str
         What is controlled in every stage, and how far and in what steps, in words.
+    weight : float, optional
+        Weight of the specimen [N]; None without gravity.
     warnings : tuple of Notice
         What looks wrong, and what to do about it.
     contact : tuple of float
@@ -69,6 +71,7 @@ class CheckReport:
     limits: Mapping[str, float]
     longest_contact: float
     stages: tuple[tuple[str, str], ...]
+    weight: float | None = None
     warnings: tuple[Notice, ...] = field(default=())
     contact: tuple[float, float] = (math.nan, math.nan)
     macro: tuple[float, float] | None = None
@@ -92,6 +95,8 @@ class CheckReport:
 
     def table(self) -> list[tuple[str, str]]:
         """Rows of name and value."""
+        from fissura.results.quantities import force  # its package brings NumPy
+
         return [
             ("case", self.name),
             ("law, criterion", f"{self.law}, {self.criterion}"),
@@ -109,6 +114,7 @@ class CheckReport:
             ("longest fine contact", f"{self.longest_contact * 1e3:.4g} mm"),
             *((f"limit {name}", f"{limit * 1e3:.4g} mm") for name, limit in self.limits.items()),
             *self.field_rows,
+            *([] if self.weight is None else [("weight, first", force(self.weight))]),
             *self._stages,
         ]
 
@@ -181,6 +187,7 @@ def report(case: Case) -> CheckReport:
         memory_machine=machine,
         limits=limits,
         longest_contact=longest,
+        weight=None if case.gravity is None else _weight(case.gravity, simulation.domain.volume),
         stages=tuple(_stage(stage, energy) for stage in case.stages),
         warnings=tuple(warnings),
         contact=(case.material.E, case.material.alpha),
@@ -204,6 +211,11 @@ def _field_rows(case: Case, field: RandomField | None) -> tuple[tuple[str, str],
         ),
         ("variance error", f"{found.mean:.2%} on average, {found.largest:.2%} at most; corrected at every point"),
     )
+
+
+def _weight(gravity: Gravity, volume: float) -> float:
+    """Weight of a volume [N]."""
+    return gravity.density * gravity.acceleration * volume
 
 
 def _macro(case: Case) -> tuple[float, float] | None:

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn
 
 from fissura.results.done import Done
+from fissura.results.names import driven_in
 from fissura.results.quantities import force, length
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ class RunProgress(_Live):
 
     def __init__(self, console: Console, case: Case) -> None:
         super().__init__(console, "{task.percentage:3.0f} %")
-        self._quantity = case.quantity
+        self._case, self._quantity = case, case.quantity
         self._done = Done(case)
         self._start = time.monotonic()
         self._recent: deque[tuple[float, float]] = deque(maxlen=11)
@@ -139,10 +140,11 @@ class RunProgress(_Live):
             self.say(f"{100 * share:3.0f} %  {text}")
 
     def _line(self, step: Step, now: float) -> str:
+        name, load = driven_in(self._case, step)
         parts = [
             f"step {step.number}",
             f"{self._quantity} {length(step.controlled)}",
-            f"load {force(step.load)}{self._left_of_peak(step)}",
+            f"{name} {force(load)}{self._left_of_peak(step)}",
             f"{step.bodies} bodies",
             _count(self._refinements, "refinement"),
             _count(step.iterations, "iteration"),

@@ -65,6 +65,7 @@ class FakeSimulation:
                 iterations=4,
                 control="gauge",
                 done=number / 20,
+                stage=1,
             )
             if self.ending is not None and number == self.after:
                 raise self.ending

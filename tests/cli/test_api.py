@@ -85,6 +85,7 @@ def test_progress_where_energy_leads(tiny: Path, capsys: pytest.CaptureFixture[s
                 iterations=2,
                 control=leads,
                 done=gauge / 2e-6,
+                stage=1,
             )  # type: ignore[arg-type]
         )
     lines = capsys.readouterr().err.splitlines()
@@ -106,7 +107,7 @@ def test_the_time_left_is_told_when_the_pace_says_something(tiny: Path, monkeypa
         now[0] += 100.0 if number == 1 else 1.0
         step = {"number": number, "gauge": gauge, "controlled": gauge, "load": 1.0, "bodies": 9, "refinements": 0}
         step["done"] = gauge / case.control.target
-        progress.step(SimpleNamespace(**step, iterations=2, control="gauge"))  # type: ignore[arg-type]
+        progress.step(SimpleNamespace(**step, iterations=2, control="gauge", stage=1))  # type: ignore[arg-type]
         if (left := progress._left()) is not None:
             told[number] = left
     first = min(told)

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from fissura.ensemble.band import Band
 from fissura.ensemble.result import EnsembleResult
 from fissura.results.measured import read_measured
+from fissura.results.names import load_name, value_axis
 from fissura.results.path import NAMES, LoadPath
 from fissura.results.pictures import (
     BLUE,
@@ -70,10 +71,10 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
         _band(banded, found, u, y)
         if over_energy:
             banded.set_xlabel(f"dissipated energy [{u_unit}]")
-            banded.set_ylabel(f"load [{y_unit}]")
+            banded.set_ylabel(f"{load_name(case)} [{y_unit}]")
             banded.set_xlim(0.0, float(found.abscissa[-1]) * u)
-    axes.set_xlabel(f"{NAMES[case.quantity]} [{x_unit}]")
-    axes.set_ylabel(f"load [{y_unit}]")
+    axes.set_xlabel(f"{value_axis(case, case.quantity)} [{x_unit}]")
+    axes.set_ylabel(f"{load_name(case)} [{y_unit}]")
     axes.set_xlim(left=min(0.0, 1.02 * x * min(float(path.value.min()) for path in paths.values())))
     for panel in panels:
         tidy(panel)

@@ -10,8 +10,9 @@ from matplotlib.colors import Normalize
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from fissura.results.names import load_name, value_axis
 from fissura.results.peak import peak_position
-from fissura.results.pictures import AXIS_NAMES, BLUE, INK, ORANGE, gauge_unit, load_unit, tidy
+from fissura.results.pictures import BLUE, INK, ORANGE, gauge_unit, load_unit, tidy
 from fissura.results.stage import COARSE, EDGE, FINE, HEAT, TENSION, Look
 
 if TYPE_CHECKING:
@@ -50,8 +51,8 @@ def draw_curve(axes: Axes, result: Result) -> None:
         axes.legend(fontsize=8, labelcolor=INK, frameon=False, handlelength=1.0, **corner)
     axes.set_xlim(min(0.0, 1.03 * float(value.min()) * x_scale), 1.03 * float(max(value.max(), 0.0)) * x_scale or None)
     axes.set_ylim(min(0.0, 1.2 * float(load.min()) * y_scale), 1.2 * float(max(load.max(), 0.0)) * y_scale or None)
-    axes.set_xlabel(f"{AXIS_NAMES[result.case.quantity]} [{x_unit}]")
-    axes.set_ylabel(f"load [{y_unit}]")
+    axes.set_xlabel(f"{value_axis(result.case, result.case.quantity)} [{x_unit}]")
+    axes.set_ylabel(f"{load_name(result.case)} [{y_unit}]")
     tidy(axes)
 
 

@@ -87,7 +87,8 @@ class LoadPath:
     def over_energy(self) -> tuple[FloatArray, FloatArray]:
         """Energies, and the same at them, from the last step on that dissipated nothing.
 
-        The elastic steps before it all have the same energy, up to round-off.
+        The elastic steps before it all have the same energy, up to round-off, and so have those of a cycle: of steps
+        with one energy the one with the largest load counts, at which a cycle has turned.
 
         Raises
         ------
@@ -96,9 +97,11 @@ class LoadPath:
         """
         energy = np.maximum.accumulate(self.energy)
         energy[energy <= ROUND_OFF * energy[-1]] = 0.0
-        last = np.append(np.diff(energy) > 0, True)
-        if last.sum() < 2:
+        group = np.append(0, np.cumsum(np.diff(energy) > ROUND_OFF * energy[-1]))
+        if group[-1] < 1:
             raise InputError(
                 self.key, f"has a {self.name} that turns back, and no dissipated energy", "a run with damage"
             )
-        return energy[last], np.stack([self.load, self.value, energy])[:, last]
+        order = np.lexsort((np.abs(self.load), group))
+        chosen = order[np.append(np.diff(group) > 0, True)]
+        return energy[chosen], np.stack([self.load, self.value, energy])[:, chosen]

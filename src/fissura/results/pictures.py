@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from fissura.results import quantities as text
 from fissura.results.lettering import literal, may_shrink, save
 from fissura.results.measured import MeasuredBand, read_measured
+from fissura.results.names import load_name, value_axis
 from fissura.results.peak import peak_position
 from fissura.results.result import Result
 
 if TYPE_CHECKING:
-    from fissura.case import Quantity
     from fissura.results.compare import Comparison
 
 __all__ = [
@@ -36,9 +36,6 @@ FloatArray = NDArray[np.float64]
 
 BLUE, LIGHT, ORANGE, GREY, INK = "#1f4e79", "#8fb8dc", "#d1641b", "#c9ccd1", "#30343b"
 DPI = 160
-
-AXIS_NAMES: dict[Quantity, str] = {"gauge": "gauge opening", "displacement": "displacement of the load"}
-"""What loads are drawn over, for axes."""
 
 
 def plot_curve(result: Result, path: Path) -> None:
@@ -116,8 +113,8 @@ def plot_curve(result: Result, path: Path) -> None:
     axes.set_ylim(min(0.0, 1.08 * float(load.min()) * y_scale), 1.16 * top if top > 0 else None)
     _note_peak(axes, float(gauge[peak]), float(load[peak]), x_scale, y_scale)
     tidy(axes)
-    axes.set_xlabel(f"{AXIS_NAMES[quantity]} [{x_unit}]")
-    axes.set_ylabel(f"load [{y_unit}]")
+    axes.set_xlabel(f"{value_axis(result.case, quantity)} [{x_unit}]")
+    axes.set_ylabel(f"{load_name(result.case)} [{y_unit}]")
     headline(axes, result.case.name, _kind(result))
     _legend(axes, gauge, load)
     save(figure, path, DPI)
@@ -150,12 +147,12 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
     limit = max(1.25 * float(np.abs(share).max()), 0.1)
     lower.set_ylim(-limit, limit)
     lower.set_ylabel("A − B\n[% of peak]")
-    (upper if by_energy else lower).set_xlabel(f"{AXIS_NAMES[quantity]} [{x_unit}]")
+    (upper if by_energy else lower).set_xlabel(f"{value_axis(b.case, quantity)} [{x_unit}]")
     if by_energy:
         lower.set_xlabel(f"{comparison.over} [{over_unit}]")
         upper.set_xlim(left=min(0.0, 1.02 * min(float(value.min()) for value in values) * x_scale))
     lower.set_xlim(left=0.0)
-    upper.set_ylabel(f"load [{y_unit}]")
+    upper.set_ylabel(f"{load_name(b.case)} [{y_unit}]")
     least = min(0.0, float(a.load_values.min()), float(b.load_values.min())) * y_scale
     upper.set_ylim(bottom=1.08 * least)
     headline(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fissura.errors import InputError
 from fissura.results import quantities as text
 from fissura.results.curve import COLUMN_OF, COLUMNS, Curve, read_curve
+from fissura.results.names import load_name
 from fissura.results.peak import peak_position
 from fissura.results.state import read_state
 from fissura.results.summary import curve_numbers, read_summary, result_folder
@@ -162,7 +163,10 @@ class Result:
         return [
             ("case", f"{s.get('case')}, seed {s.get('seed')}, {kind}"),
             ("status", ": ".join(str(s[key]) for key in ("status", "message") if s.get(key))),
-            ("peak load", f"{text.force(self.peak_load)} at {text.length(at_peak)}"),
+            (
+                load_name(self.case).replace("load", "peak load"),
+                f"{text.force(self.peak_load)} at {text.length(at_peak)}",
+            ),
             ("initial stiffness", text.stiffness(self.initial_stiffness)),
             ("dissipated energy", text.energy(self.dissipated_energy)),
             ("energy balance error", text.per_cent(number("energy_balance_error"))),

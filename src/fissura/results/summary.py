@@ -23,6 +23,7 @@ from fissura.results.places import torn_at_places
 from fissura.results.quantities import length
 
 if TYPE_CHECKING:
+    from fissura.case import Case
     from fissura.simulation import Simulation
 
 __all__ = [
@@ -111,7 +112,11 @@ def build_summary(
             str(notice)
             for notice in (
                 *simulation.notices,
-                *(negative_before_peak(curve["load_N"], curve["gauge_m"]) if numbers["steps"] else ()),
+                *(
+                    negative_before_peak(curve["load_N"], curve["gauge_m"])
+                    if numbers["steps"] and _pushes(case)
+                    else ()
+                ),
                 *torn_at_places(curve),
                 *refined_late(curve),
                 *_beyond(case.adaptivity.tolerance, bound),
@@ -120,6 +125,12 @@ def build_summary(
         "versions": versions(),
     }
     return {key: _plain(value) for key, value in summary.items()}
+
+
+def _pushes(case: Case) -> bool:
+    """Whether nothing but a fault makes the load of a case negative: one load, which is never to be turned round."""
+    alone = case.gravity is None and len({stage.ratios for stage in case.stages}) == 1
+    return alone and all(target.value >= 0.0 for stage in case.stages for target in stage.targets)
 
 
 def curve_numbers(curve: Curve) -> dict[str, Any]:
