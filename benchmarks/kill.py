@@ -1,8 +1,8 @@
 """Runs that are killed at random moments and resumed each time, against runs that were left alone.
 
-Every process is ended by SIGKILL at a moment that is uniform over the time that an undisturbed run takes after its
-specimen was built: while it writes its first files, between and within steps, refinements and checkpoints, and while
-the last files are written. Files are compared byte by byte, times left out.
+Every process is ended by SIGKILL at a moment that is uniform over a third of the time that an undisturbed run takes
+after its specimen was built, if it has not ended by then: while it writes its first files, between and within steps,
+refinements and checkpoints, and while the last files are written. Files are compared byte by byte, times left out.
 """
 
 from __future__ import annotations
@@ -58,9 +58,7 @@ def child(name: str, seed: int, folder: str) -> None:
     case = changed(load_case(ROOT / "examples" / f"{example}.toml"), seed=seed, **changes)
     case = changed(case, output={"vtk": 2, "measured": None, "checkpoint": EVERY})
     resume = (Path(folder) / "checkpoint.npz").exists()
-    fissura.run(
-        case, output=folder, resume=resume, overwrite=not resume, on_start=lambda _: print("begun", flush=True)
-    )
+    fissura.run(case, output=folder, resume=resume, overwrite=not resume, on_start=lambda _: print("begun", flush=True))
 
 
 def started(name: str, seed: int, folder: Path) -> subprocess.Popen[str]:
@@ -112,14 +110,13 @@ def _row(name: str, seed: int, folder: Path, moments: random.Random, most: int) 
     finished(run)
     takes, kills, before = time.monotonic() - began, 0, 0
     while True:
-        checkpoint = (folder / "killed" / "checkpoint.npz").exists()
         run = started(name, seed, folder / "killed")
         try:
-            run.wait(moments.uniform(0.0, takes) if kills < most else None)
+            run.wait(moments.uniform(0.0, takes / 3.0) if kills < most else None)
         except subprocess.TimeoutExpired:
             run.send_signal(signal.SIGKILL)
             run.communicate()
-            kills, before = kills + 1, before + (not checkpoint)
+            kills, before = kills + 1, before + (not (folder / "killed" / "checkpoint.npz").exists())
         else:
             finished(run)
             break

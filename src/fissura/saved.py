@@ -26,11 +26,13 @@ from fissura.jumps import Jumps
 from fissura.state import Before, Effort, Start, State, Totals
 
 if TYPE_CHECKING:
+    from fissura.contact import AppliedLaw
     from fissura.model import Model
 
-__all__ = ["TYPES", "Rows", "SavedResponse", "SavedState", "restored", "saved"]
+__all__ = ["TYPES", "Noted", "Rows", "SavedResponse", "SavedState", "restored"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,8 @@ class SavedState:
     Attributes
     ----------
     state : State
-        With a `SavedResponse`, without fine nuclei, and without forces that are the unit load.
+        With a `SavedResponse`, with `Rows` of what contacts have left, without fine nuclei, and without forces that are
+        the unit load.
     digest : str
         Of the discretization that it belongs to.
     """
@@ -120,34 +123,61 @@ TYPES: tuple[type, ...] = (
 )
 
 
-def saved(state: State, system: System) -> SavedState:
-    """What of a state does not follow from the rest.
+@dataclass(frozen=True)
+class Noted:
+    """A state with what of its equations decides what is saved: nothing is computed before that is asked for.
 
-    Parameters
+    Attributes
     ----------
     state : State
         A state between two steps.
-    system : System
-        The equations of its layout.
+    active : (k,) array
+        Contacts with damage.
+    moduli : (m, 3) array
+        Stiffness of all contacts [Pa].
+    law : AppliedLaw
+        Law of the contacts with damage.
+    digest : str
+        Of the discretization.
     """
-    response, active = state.now.response, system.active
-    usual = response.strain[active] * system.moduli[active]
-    kept: Any = SavedResponse(
-        response.u,
-        Rows.of(response.traction[active], usual),
-        Rows.of(response.history, system.virgin()),
-    )
-    solver, secant = state.solver, state.solver.secant
-    if secant is not None and secant.exact:
-        solver = replace(solver, secant=replace(secant, unit_forces=np.empty(0)))
-    coarsening = replace(state.layout.coarsening, x=np.empty((0, 3)))
-    state = replace(
-        state,
-        now=replace(state.now, response=kept),
-        layout=replace(state.layout, coarsening=coarsening),
-        solver=solver,
-    )
-    return SavedState(state, digest(system))
+
+    state: State
+    active: IntArray
+    moduli: FloatArray
+    law: AppliedLaw
+    digest: str
+
+    @classmethod
+    def of(cls, state: State, system: System) -> Noted:
+        """Note a state with the equations of its layout."""
+        return cls(state, system.active, system.moduli, system.law, digest(system))
+
+    def saved(self) -> SavedState:
+        """What of the state does not follow from the rest."""
+        state, response = self.state, self.state.now.response
+        usual = response.strain[self.active] * self.moduli[self.active]
+        kept: Any = SavedResponse(
+            response.u,
+            Rows.of(response.traction[self.active], usual),
+            Rows.of(response.history, self.law.initial_history()),
+        )
+        solver, secant = state.solver, state.solver.secant
+        if secant is not None:
+            intact: Any = Rows.of(secant.intact, np.ones_like(secant.intact))
+            forces = np.empty(0) if secant.exact else secant.unit_forces
+            solver = replace(solver, secant=replace(secant, intact=intact, unit_forces=forces))
+        coarsening = replace(state.layout.coarsening, x=np.empty((0, 3)))
+        state = replace(
+            state,
+            now=replace(state.now, response=kept),
+            layout=replace(state.layout, coarsening=coarsening),
+            solver=solver,
+        )
+        return SavedState(state, self.digest)
+
+    def seen(self) -> Noted:
+        """The same to be looked at only, not to go on from."""
+        return replace(self, state=replace(self.state, before=None, solver=SolverMemory()))
 
 
 def restored(found: SavedState, model: Model) -> State:
@@ -173,8 +203,11 @@ def restored(found: SavedState, model: Model) -> State:
     damaged = kept.damaged.put(strain[system.active] * system.moduli[system.active])
     response = system.reached(kept.u, damaged, kept.history.put(system.virgin()))
     solver, secant = state.solver, state.solver.secant
-    if secant is not None and secant.exact:
-        solver = replace(solver, secant=replace(secant, unit_forces=system.load))
+    if secant is not None:
+        saved_intact: Any = secant.intact
+        intact = saved_intact.put(np.ones((len(system.active), 3)))
+        forces = system.load if secant.exact else secant.unit_forces
+        solver = replace(solver, secant=replace(secant, intact=intact, unit_forces=forces))
     return replace(state, now=replace(state.now, response=response), solver=solver)
 
 

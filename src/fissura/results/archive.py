@@ -22,7 +22,7 @@ __all__ = ["read_archive", "write_archive"]
 _MOST_BYTES = 20_000_000_000
 
 
-def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any]) -> None:
+def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any], *, compress: bool = True) -> None:
     """Write arrays as ``.npz``, never leaving half a file; arrays that hardly shrink are stored as they are.
 
     Parameters
@@ -33,12 +33,14 @@ def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any]
         Name and version of the format, kept as ``format`` and ``format_version``.
     arrays : mapping of str to array or number
         Content.
+    compress : bool
+        Whether to compress those that shrink.
     """
     with replacing(path) as part, zipfile.ZipFile(part, "w") as archive:
         for key, value in {"format": name, "format_version": version, **arrays}.items():
             values, buffer = np.asanyarray(value), io.BytesIO()
             np.lib.format.write_array(buffer, values, allow_pickle=False)
-            kind = zipfile.ZIP_DEFLATED if level(values) else zipfile.ZIP_STORED
+            kind = zipfile.ZIP_DEFLATED if compress and level(values) else zipfile.ZIP_STORED
             archive.writestr(key + ".npy", buffer.getbuffer(), kind, compresslevel=1)
 
 

@@ -106,7 +106,8 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
         "memory": checkpoint.memory,
     }
     arrays["text"] = np.frombuffer(json.dumps(text).encode(), dtype=np.uint8)
-    write_archive(path, FORMAT, FORMAT_VERSION, arrays)
+    # Hardly anything in it shrinks.
+    write_archive(path, FORMAT, FORMAT_VERSION, arrays, compress=False)
 
 
 def checkpoint_in(folder: Path) -> Path:

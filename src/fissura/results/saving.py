@@ -10,7 +10,7 @@ from fissura.case.continued import as_data
 from fissura.results.checkpoint import FILE, Checkpoint, write_checkpoint
 from fissura.results.history import FILE as SECTIONS
 from fissura.results.summary import peak_memory, versions
-from fissura.saved import SavedState, saved
+from fissura.saved import Noted, SavedState
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -55,8 +55,8 @@ class CheckpointWriter:
         self._simulation, self._folder, self._history = simulation, folder, history
         self._every = simulation.case.output.checkpoint
         self._case: dict[str, Any] = as_data(simulation.case)
-        self._state: SavedState | None = None if begun is None else begun.state
-        self._peak: SavedState | None = None if begun is None else begun.peak
+        self._state: SavedState | Noted | None = None if begun is None else begun.state
+        self._peak: SavedState | Noted | None = None if begun is None else begun.peak
         self._parts = [] if begun is None else list(begun.sections)
         self._steps = 0 if begun is None else begun.steps + 1  # of the history, that are in these parts
         self._before = 0.0 if begun is None else begun.memory
@@ -69,9 +69,11 @@ class CheckpointWriter:
 
     def add(self, state: State, *, highest: bool) -> None:
         """Take the state after a step, of the largest load so far or not."""
-        self._state = saved(state, self._simulation.model.system)
+        self._state = Noted.of(state, self._simulation.model.system)
         if highest:
             self._peak = self._state
+        elif isinstance(self._peak, Noted) and self._peak.state.number == state.number - 1:
+            self._peak = self._peak.seen().saved()  # it may stay for long, and need not keep all that it has
 
     @property
     def due(self) -> bool:
@@ -119,6 +121,9 @@ class CheckpointWriter:
         if not at_end and self._history.steps > self._steps:
             parts = [*before, f".section_{len(before):04d}.npz"]
             self._history.write(self._own(parts[-1]), self._steps)
+        same = self._peak is self._state
+        self._state = _saved(self._state)
+        self._peak = self._state if same else _saved(self._peak)
         checkpoint = Checkpoint(
             self._case,
             self._simulation.full,
@@ -144,3 +149,7 @@ class CheckpointWriter:
     def _own(self, name: str) -> Path:
         self._folder.add(name)
         return self._folder.path / name
+
+
+def _saved(found: SavedState | Noted) -> SavedState:
+    return found.saved() if isinstance(found, Noted) else found
