@@ -346,7 +346,7 @@ def test_a_run_goes_on_after_the_disk_was_full(where, tmp_path, no_pictures, few
     fissura.run(case, output=tmp_path / "run")
     folder = tmp_path / "again"
     place = {
-        "curve": "fissura.results.curve.CurveWriter.write",
+        "curve": "fissura.results.curve_writer.CurveWriter.write",
         "checkpoint": "fissura.results.saving.write_checkpoint",
         "states": "fissura.results.vtk.write_snapshot",
     }[where]

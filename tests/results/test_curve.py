@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
-from fissura.results.curve import COLUMNS, CurveWriter, columns, read_curve, row
+from fissura.results.curve import COLUMNS, columns, read_curve, row
+from fissura.results.curve_writer import CurveWriter
 
 from .synthetic import snapping, step, steps
 

@@ -13,7 +13,8 @@ from fissura.ensemble.plan import Kind, Plan
 from fissura.errors import InputError
 from fissura.files import part_of, sync_folder, write_atomically, write_json
 from fissura.folder import Folder
-from fissura.results.curve import COLUMNS, CurveWriter
+from fissura.results.curve import COLUMNS
+from fissura.results.curve_writer import CurveWriter
 from fissura.results.summary import FORMAT_VERSION, read_summary, versions, write_summary
 
 if TYPE_CHECKING:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-import os
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +15,6 @@ from numpy.typing import NDArray
 from fissura.case.files import read_text
 from fissura.case.programme import GRAVITY
 from fissura.errors import InputError
-from fissura.files import force, write_atomically
 
 if TYPE_CHECKING:
     from fissura.case import Case, Quantity
@@ -27,7 +24,6 @@ __all__ = [
     "COLUMNS",
     "COLUMN_OF",
     "Curve",
-    "CurveWriter",
     "GrowingCurve",
     "Row",
     "case_columns",
@@ -238,65 +234,6 @@ class GrowingCurve:
         return self._curve
 
 
-class CurveWriter:
-    """Writes ``curve.csv`` row by row, so that a run that is killed keeps its curve.
-
-    Parameters
-    ----------
-    path : Path
-        File to write; an older one is replaced.
-    names : sequence of str
-        Its columns.
-    curve : dict of str to (steps,) array, optional
-        Rows that it begins with.
-
-    Raises
-    ------
-    OSError
-        It cannot be written.
-    """
-
-    def __init__(self, path: Path, names: Sequence[str] = COLUMNS, curve: Curve | None = None) -> None:
-        self._names = tuple(names)
-        rows = () if curve is None else zip(*(curve[name] for name in self._names), strict=True)
-        lines = [self._line(self._names), *(self._row(dict(zip(self._names, row, strict=True))) for row in rows)]
-        write_atomically(path, b"".join(lines))
-        self._file = path.open("ab", buffering=0)
-
-    @staticmethod
-    def _line(cells: Sequence[str]) -> bytes:
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerow(cells)
-        return text.getvalue().encode()
-
-    def _row(self, values: Mapping[str, float | str]) -> bytes:
-        return self._line([_written(name, values[name]) for name in self._names])
-
-    def write(self, values: Mapping[str, float | str]) -> None:
-        """Append one row and hand it to the operating system; a row that does not fit on the disk is not there at all.
-
-        Raises
-        ------
-        OSError
-            It cannot be written.
-        """
-        end, line = self._file.seek(0, os.SEEK_END), self._row(values)
-        try:
-            written = 0
-            while written < len(line):
-                written += self._file.write(line[written:])
-        except OSError:
-            with suppress(OSError):
-                self._file.truncate(end)
-            raise
-
-    def close(self) -> None:
-        """Force the file to the disk and close it; may be called twice."""
-        if not self._file.closed:
-            force(self._file.fileno())
-            self._file.close()
-
-
 def read_curve(path: str | Path) -> Curve:
     """Read a ``curve.csv``.
 
@@ -350,12 +287,6 @@ def _values(path: Path, number: int, line: list[str], names: list[str]) -> list[
             raise InputError(key, f"{name} is {text!r}", "a whole number")
         values.append(value)
     return values
-
-
-def _written(name: str, value: float | str) -> str:
-    if isinstance(value, str):
-        return value
-    return str(int(value)) if name in COUNTS else f"{value:.12g}"
 
 
 def _dtype(name: str) -> type[np.float64] | type[np.int64] | type[np.str_]:

@@ -13,7 +13,8 @@ from fissura.files import write_atomically, write_json
 from fissura.folder import Folder
 from fissura.interrupts import shielded
 from fissura.results.chosen import ChosenStates
-from fissura.results.curve import COLUMN_OF, COLUMNS, CurveWriter, GrowingCurve, case_columns, row
+from fissura.results.curve import COLUMN_OF, COLUMNS, GrowingCurve, case_columns, row
+from fissura.results.curve_writer import CurveWriter
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.result import Result
 from fissura.results.saving import CheckpointWriter
