@@ -40,6 +40,12 @@ CASES = {
         ],
         "adaptivity__r_f": 0.012,
     },
+    "platens": {
+        "load": {"face": "top", "at": 0.06, "width": 0.01, "platen": {"contact": "frictionless", "turning": "hinged"}},
+        "supports__0__width": 0.01,
+        "supports__0__platen": "glued",
+        "adaptivity__r_f": 0.012,
+    },
     "two levels": {"adaptivity__r_f": 0.012, "solver__linear": "two-level", "output__vtk": 0},
 }
 

@@ -97,11 +97,9 @@ def run(
         checkpoint_in(Path(output))
     folder = None if output is None else prepare_folder(output, "run", overwrite=overwrite, go_on=resume)
     with locked(folder):
-        begins_from = _begins_from(folder, full=full) if resume and folder is not None else None
-        if begins_from is not None and folder is not None:
-            from fissura.results.resuming import is_done
-
-            case = continued(case, begins_from.case, begins_from.leg, finished=is_done(folder))
+        checkpoint: Checkpoint | None = None
+        if resume and folder is not None:
+            case, checkpoint = _begins_from(folder, case, full=full)
         require_memory(case, full=full)
 
         from fissura.results.measured import read_measured
@@ -110,14 +108,11 @@ def run(
         if case.output.measured is not None:
             read_measured(case.output.measured)  # the pictures need it at the end: say now if it is wrong
         simulation = Simulation(case, full=full)
-        before: Begun | None = None
-        if begins_from is not None and folder is not None:
+        before = None if checkpoint is None else _begun(simulation, checkpoint)
+        if before is not None and folder is not None and simulation.ended and _is_finished(folder):
             from fissura.results.result import Result
-            from fissura.results.resuming import begun
 
-            before = begun(simulation, begins_from)
-            if simulation.ended and is_done(folder):
-                return Result.load(folder)
+            return Result.load(folder)
         for notice in simulation.notices:
             logger.warning(notice)
         if on_start is not None:
@@ -126,15 +121,31 @@ def run(
         return _recorded(simulation, folder, before, (*told, *observers))
 
 
-def _begins_from(folder: Path, *, full: bool) -> Checkpoint:
-    """The checkpoint from which a run goes on."""
+def _begins_from(folder: Path, case: Case, *, full: bool) -> tuple[Case, Checkpoint]:
+    """The case with which a run goes on, and the checkpoint from which it does."""
     from fissura.results.checkpoint import read_checkpoint
 
     found = read_checkpoint(folder)
     if found.full != full:
         kind = "at full resolution" if found.full else "adaptive"
         raise InputError("--full", f"the run in {folder} is {kind}", "the same, with --resume")
-    return found
+    return continued(case, found.case, found.leg, finished=_is_finished(folder)), found
+
+
+def _begun(simulation: Simulation, checkpoint: Checkpoint) -> Begun:
+    from fissura.results.resuming import begun
+
+    return begun(simulation, checkpoint)
+
+
+def _is_finished(folder: Path) -> bool:
+    """Whether a run has written all that belongs to its end."""
+    from fissura.results.summary import read_summary
+
+    try:
+        return read_summary(folder / "summary.json").get("status") == "finished"
+    except InputError:
+        return False
 
 
 def _recorded(

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.case import case_from_dict
-from fissura.errors import InputError
 from fissura.legs import extended
 from fissura.results.checkpoint import Checkpoint
 from fissura.results.curve import COLUMN_OF
 from fissura.results.done import Done
 from fissura.results.peak import peak_position
-from fissura.results.summary import read_summary, versions
+from fissura.results.summary import versions
 from fissura.saved import restored
 from fissura.step import Moment
 
@@ -22,7 +20,7 @@ if TYPE_CHECKING:
     from fissura.simulation import Simulation
     from fissura.step import Snapshot
 
-__all__ = ["Begun", "begun", "is_done"]
+__all__ = ["Begun", "begun"]
 
 _log = logging.getLogger(__name__)
 
@@ -80,11 +78,3 @@ def begun(simulation: Simulation, checkpoint: Checkpoint) -> Begun:
         return Begun(checkpoint, last, peak, checkpoint.share)
     done.peak = abs(peak.load)
     return Begun(checkpoint, last, peak, done.after(model.done(extended(model, state)), last.load))
-
-
-def is_done(folder: Path) -> bool:
-    """Whether a run has written all that belongs to its end."""
-    try:
-        return read_summary(folder / "summary.json").get("status") == "finished"
-    except InputError:
-        return False
