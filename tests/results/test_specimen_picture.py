@@ -54,6 +54,29 @@ def test_every_surface_and_condition_is_named(monkeypatch, small_case) -> None:
     assert ("gauge, from a to b" in words) == (simulation.case.gauge is not None)
 
 
+def test_named_loads_platens_and_gravity_are_in_the_legend(monkeypatch, small_case) -> None:
+    loads = {
+        "left": {"face": "top", "at": 0.04, "width": 0.01, "platen": "glued"},
+        "right": {"face": "bottom", "at": 0.08, "width": 0.01, "platen": "frictionless"},
+    }
+    stage = [{"load": {"left": 0.5, "right": 0.5}, "to": "0.1 mm"}]
+    changes = {"loads": loads, "gravity": {"density": 2400.0}, "stage": stage, "load": None, "control": None}
+    _, figure = drawn(monkeypatch, small_case, Sight(), **changes)
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert {"load left", "load right", "platen, glued", "platen, frictionless", "gravity"} <= set(words)
+    assert "load" not in words
+    assert len(words) == len(set(words))
+    # What faces the eye lies before the specimen, what does not behind it.
+    assert sorted(artist.get_zorder() for artist in figure.axes[0].collections[:3]) == [0.5, 1, 1.5]
+
+
+@pytest.mark.parametrize("direction", [[0, -1, 0], [0, 0, -1]])
+def test_gravity_is_drawn_in_any_direction(monkeypatch, small_case, direction) -> None:
+    """Along the line of sight, too, where an arrow has no length."""
+    _, figure = drawn(monkeypatch, small_case, Sight(0.0, 0.0), gravity={"density": 2400.0, "direction": direction})
+    assert "gravity" in [text.get_text() for text in figure.legends[0].get_texts()]
+
+
 def test_command(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     runner = CliRunner()

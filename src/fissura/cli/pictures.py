@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
 from fissura.cli.console import check_ending, errors, print_table, warnings, writing
 from fissura.cli.options import CaseArgument, FullOption
+from fissura.errors import InputError
+
+if TYPE_CHECKING:
+    from fissura.results.specimen_picture import Sight
+    from fissura.simulation import Simulation
 
 __all__ = ["animate", "compare", "moments", "show"]
 
@@ -23,10 +28,14 @@ def show(
     case: CaseArgument,
     output: Annotated[Path | None, typer.Option(help="File to write.", show_default="NAME_specimen.png")] = None,
     full: FullOption = False,
+    interactive: Annotated[
+        bool,
+        typer.Option("--interactive", help="Turn it in a window (needs PyVista); with --output a picture of that."),
+    ] = False,
     azimuth: Annotated[float, typer.Option(min=-360, max=360, help="Degrees to the right of the z axis.")] = 30.0,
     elevation: Annotated[float, typer.Option(min=-89, max=89, help="Degrees above the horizontal.")] = 25.0,
 ) -> None:
-    """Draw the specimen of a case in 3D, with supports, load and gauge, without running it."""
+    """Draw the specimen of a case in 3D, with supports, loads and gauges, without running it."""
     with errors():
         from fissura.case import load_case
         from fissura.memory import require_memory
@@ -35,15 +44,53 @@ def show(
 
         loaded = load_case(case)
         path = output if output is not None else Path(f"{loaded.name}_specimen.png")
-        check_ending(path, "--output")
+        if interactive:
+            _check_view(output)
+        else:
+            check_ending(path, "--output")
         require_memory(loaded, full=full)
         with warnings(Console(stderr=True)) as shown:
             simulation = Simulation(loaded, full=full)
             for notice in simulation.notices:
                 shown.show(str(notice))
-            with writing(path):
-                plot_specimen(simulation, path, Sight(azimuth, elevation))
-        typer.echo(f"picture: {path}")
+            if interactive:
+                _view(simulation, output, Sight(azimuth, elevation))
+            else:
+                with writing(path):
+                    plot_specimen(simulation, path, Sight(azimuth, elevation))
+        if output is not None or not interactive:
+            typer.echo(f"picture: {path}")
+
+
+def _check_view(output: Path | None) -> None:
+    """Refuse a view that cannot be shown, before anything is computed.
+
+    Raises
+    ------
+    InputError
+        PyVista is not installed, there is no screen, or the picture would be no PNG.
+    """
+    from fissura.results.pyvista_tools import can_open_windows, pyvista
+
+    pyvista()
+    if output is None and not can_open_windows():
+        allowed = "--output FILE.png, which makes a picture of the view, or no --interactive"
+        raise InputError("--interactive", "there is no screen to open a window on", allowed)
+    if output is not None and output.suffix.lower() != ".png":
+        raise InputError("--output", f"{output}: views are written as .png only", "a name that ends in .png")
+
+
+def _view(simulation: Simulation, output: Path | None, sight: Sight) -> None:
+    """Show a specimen in a window until that is closed, or write a picture of it."""
+    from fissura.results.pyvista_tools import screenshot
+    from fissura.results.specimen_view import specimen_view
+
+    view = specimen_view(simulation, sight, off_screen=output is not None)
+    if output is None:
+        view.show(title=simulation.case.name)
+    else:
+        with writing(output):
+            screenshot(view, output)
 
 
 def compare(

@@ -1,4 +1,4 @@
-"""The specimen of a case in three dimensions before anything is run: bodies, surfaces, supports, load and gauge."""
+"""The specimen of a case in three dimensions before anything is run: bodies, surfaces, supports, loads and gauges."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from fissura.results.lettering import legend_below, literal, save
 from fissura.results.pictures import INK
+from fissura.results.specimen_signs import SUPPORT, WEIGHT, Signs, Spots, signs_of
 from fissura.results.stage import COARSE, FINE
-from fissura.specimen import Place, load_direction, place_from_part
 from fissura.specimen.notches import SURFACE
 from fissura.specimen.planes import unit
 from fissura.tessellation.structure import LEDGE
@@ -31,13 +31,14 @@ __all__ = ["Sight", "plot_specimen"]
 
 FloatArray = NDArray[np.float64]
 
-SUPPORT, LOAD, GAUGE, NOTCH = "#4b5563", "#b42318", "#1d4ed8", "#f2c14e"
+NOTCH = "#f2c14e"
+"""Colour of walls of notches."""
 
 MARKERS = {"pin": "^", "roller": "o", "clamp": "s", "guide": "D"}
 """Signs of the kinds of supports."""
 
-MOST_POINTS = 60
-"""Sample points of a place that are drawn, at most."""
+BEHIND, BEFORE = 0.5, 1.5
+"""Heights of platens on the far and on the near side of the specimen, which is at 1."""
 
 HIDDEN = 0.35
 """Opacity of what lies on the far side."""
@@ -68,7 +69,7 @@ class Sight:
 
 
 def plot_specimen(simulation: Simulation, path: str | Path, sight: Sight | None = None) -> None:
-    """Draw the first discretization of a simulation, with surfaces, supports, load and gauge.
+    """Draw the first discretization of a simulation, with surfaces, supports, platens, loads, gauges and gravity.
 
     Parameters
     ----------
@@ -90,8 +91,12 @@ def plot_specimen(simulation: Simulation, path: str | Path, sight: Sight | None 
     low, high = corners.min(axis=0), corners.max(axis=0)
     size = float((high - low).max())
     unseen = _names(axes, surface, look)
-    entries = [(Line2D([], [], marker="s", ls="", ms=9, color=colour), name) for name, colour in colours]
-    entries += _conditions(axes, simulation, look, 0.11 * size)
+    signs = signs_of(case, simulation.domain)
+    entries = [(_square(colour), name) for name, colour in colours]
+    entries += _plates(axes, signs, look)
+    entries += _conditions(axes, signs, look, 0.11 * size)
+    if signs.weight is not None:
+        entries.append(_weight(axes, signs.weight, low, high, look))
     axes.set_xlim(low[0] - 0.14 * size, high[0] + 0.14 * size)
     axes.set_ylim(low[1] - 0.14 * size, high[1] + 0.14 * size)
     kind = "full resolution" if simulation.full else f"start; {simulation.bodies_full} at full resolution"
@@ -100,7 +105,8 @@ def plot_specimen(simulation: Simulation, path: str | Path, sight: Sight | None 
     if unseen:
         lines.append(f"not in view: {', '.join(unseen)}")
     figure.suptitle("\n".join(literal(line) for line in lines), fontsize=11, color=INK)
-    legend_below(figure, [(artist, literal(name)) for artist, name in entries], colour=INK)
+    names = {name: artist for artist, name in entries}  # each once
+    legend_below(figure, [(artist, literal(name)) for name, artist in names.items()], colour=INK)
     save(figure, Path(path), dpi=110)
 
 
@@ -116,9 +122,7 @@ def _skin(axes: Axes, surface: SurfaceFacets, fine: NDArray[np.bool_], look: Flo
     notched = np.array([name == SURFACE for name in surface.names])[surface.surface]
     is_fine = fine[surface.body]
     base = np.where(notched[:, None], to_rgb(NOTCH), np.where(is_fine[:, None], to_rgb(FINE), to_rgb(COARSE)))
-    # Light comes from above the eye, so that faces of one body differ.
-    light = 0.62 + 0.38 * np.clip(surface.normal @ unit(eye + 0.6 * look[1] - 0.35 * look[0]), 0.0, 1.0)
-    shade = base[facet[order]] * light[facet[order], None]
+    shade = base[facet[order]] * _light(surface.normal[facet[order]], look)[:, None]
     axes.add_collection(
         PolyCollection(
             [1e3 * shapes[k] @ look[:2].T for k in order],
@@ -156,57 +160,83 @@ def _names(axes: Axes, surface: SurfaceFacets, look: FloatArray) -> list[str]:
     return unseen
 
 
-def _conditions(axes: Axes, simulation: Simulation, look: FloatArray, size: float) -> list[tuple[Line2D, str]]:
-    """Draw supports, load and gauge; return entries of the legend."""
-    case, domain, l_f = simulation.case, simulation.domain, simulation.case.discretization.l_f
+def _plates(axes: Axes, signs: Signs, look: FloatArray) -> list[tuple[Line2D, str]]:
+    """Draw platens: those that face the eye before the specimen, others behind it; return entries of the legend."""
+    for plate in signs.plates:
+        facing = np.flatnonzero(plate.normals @ look[2] > 1e-9)
+        facing = facing[np.argsort([plate.faces[k].mean(axis=0) @ look[2] for k in facing])]
+        shade = np.array(to_rgb(plate.colour)) * _light(plate.normals[facing], look)[:, None]
+        axes.add_collection(
+            PolyCollection(
+                [1e3 * plate.faces[k] @ look[:2].T for k in facing],
+                facecolors=shade.tolist(),
+                edgecolors=shade.tolist(),
+                linewidths=0.3,
+                zorder=BEFORE if plate.outward @ look[2] > 0.0 else BEHIND,
+            )
+        )
+    return [(_square(plate.colour), plate.label) for plate in signs.plates]
+
+
+def _conditions(axes: Axes, signs: Signs, look: FloatArray, size: float) -> list[tuple[Line2D, str]]:
+    """Draw supports, loads and gauges; return entries of the legend."""
     entries = []
-    for k, part in enumerate(case.supports):
-        _points(axes, place_from_part(part, domain, l_f, f"supports[{k}]"), look, MARKERS[part.type], SUPPORT)
-    for kind in dict.fromkeys(part.type for part in case.supports):
-        entries.append((Line2D([], [], marker=MARKERS[kind], ls="", ms=7, color=SUPPORT), f"support, {kind}"))
-    for load in case.named_loads:
-        place = place_from_part(load.part, domain, l_f, load.key)
-        _arrows(axes, place, load_direction(load.part, place, load.key), look, size)
-    if case.named_loads:
-        entries.append((Line2D([], [], marker=r"$\rightarrow$", ls="", ms=13, color=LOAD), "load"))
-    for gauge in case.named_gauges:
-        middles = []
-        for name in ("a", "b"):
-            place = place_from_part(getattr(gauge.part, name), domain, l_f, f"{gauge.key}.{name}")
-            _points(axes, place, look, "o", GAUGE, size=3.0)
-            middles.append(1e3 * look[:2] @ place.centroid)
-        axes.add_collection(LineCollection([np.array(middles)], colors=GAUGE, linewidths=1.2, zorder=16))
-    if case.named_gauges:
-        entries.append((Line2D([], [], marker="o", ms=4, lw=1.2, color=GAUGE), "gauge, from a to b"))
+    for support in signs.supports:
+        _points(axes, support.spots, look, MARKERS[support.kind], SUPPORT)
+        sign = Line2D([], [], marker=MARKERS[support.kind], ls="", ms=7, color=SUPPORT)
+        entries.append((sign, f"support, {support.kind}"))
+    for load in signs.loads:
+        begin, end = load.arrows(1e-3 * size)
+        for points in zip(1e3 * begin @ look[:2].T, 1e3 * end @ look[:2].T, strict=True):
+            _arrow(axes, *points, load.colour)
+        if np.linalg.norm(look[:2] @ load.direction) < 0.15:  # along the line of sight
+            _points(axes, load.spots, look, "x", load.colour)
+        entries.append((_arrow_sign(load.colour), load.label))
+    for gauge in signs.gauges:
+        for spots in (gauge.a, gauge.b):
+            _points(axes, spots, look, "o", gauge.colour, size=3.0)
+        line = 1e3 * np.array([gauge.a.middle, gauge.b.middle]) @ look[:2].T
+        axes.add_collection(LineCollection([line], colors=gauge.colour, linewidths=1.2, zorder=16))
+        entries.append((Line2D([], [], marker="o", ms=4, lw=1.2, color=gauge.colour), gauge.label))
     return entries
 
 
-def _some(place: Place) -> NDArray[np.int64]:
-    """Evenly many of a place's points."""
-    count = min(len(place.points), MOST_POINTS)
-    return np.unique(np.linspace(0, len(place.points) - 1, count).round().astype(np.int64))
+def _weight(axes: Axes, way: FloatArray, low: FloatArray, high: FloatArray, look: FloatArray) -> tuple[Line2D, str]:
+    """Draw the weight as an arrow beside the specimen; return its entry of the legend."""
+    size = float((high - low).max())
+    middle, half = np.array([low[0] - 0.08 * size, 0.5 * (low[1] + high[1])]), 0.1 * size * (look[:2] @ way)
+    if np.linalg.norm(half) < 0.015 * size:  # along the line of sight
+        axes.plot(*middle, "x", ms=9, mew=2.5, color=WEIGHT, zorder=17)
+    else:
+        _arrow(axes, middle - half, middle + half, WEIGHT, width=3.0)
+    return _arrow_sign(WEIGHT), "gravity"
 
 
-def _points(axes: Axes, place: Place, look: FloatArray, marker: str, colour: str, size: float = 4.5) -> None:
+def _light(normals: FloatArray, look: FloatArray) -> FloatArray:
+    """Brightness of faces: light comes from above the eye, so that faces of one body differ; (f, 3) -> (f,)."""
+    return np.asarray(0.62 + 0.38 * np.clip(normals @ unit(look[2] + 0.6 * look[1] - 0.35 * look[0]), 0.0, 1.0))
+
+
+def _points(axes: Axes, spots: Spots, look: FloatArray, marker: str, colour: str, size: float = 4.5) -> None:
     """Mark points of a place; those on the far side are pale."""
-    some = _some(place)
-    at, seen = 1e3 * place.points[some] @ look[:2].T, place.normals[some] @ look[2] > 0.0
+    at, seen = 1e3 * spots.points @ look[:2].T, spots.normals @ look[2] > 0.0
     for which, alpha in ((seen, 1.0), (~seen, HIDDEN)):
-        axes.plot(*at[which].T, marker, ms=size, color=colour, mec="white", mew=0.4, alpha=alpha, zorder=15)
+        (marks,) = axes.plot(*at[which].T, marker, ms=size, color=colour, alpha=alpha, zorder=15)
+        if marker != "x":
+            marks.set(markeredgecolor="white", markeredgewidth=0.4)
 
 
-def _arrows(axes: Axes, place: Place, direction: FloatArray, look: FloatArray, size: float) -> None:
-    """Draw arrows along a load: they end where it presses, and begin where it pulls."""
-    some = _some(place)
-    some = some[np.unique(np.linspace(0, len(some) - 1, min(len(some), 9)).round().astype(np.int64))]
-    shift = size * look[:2] @ direction
-    for point, normal in zip(place.points[some], place.normals[some], strict=True):
-        tip = 1e3 * look[:2] @ point
-        start, end = (tip - shift, tip) if normal @ direction <= 0.0 else (tip, tip + shift)
-        # Where it acts on the far side but its arrow stands out of the specimen, it is seen all the same.
-        axes.annotate(
-            "", xy=end, xytext=start, zorder=17, annotation_clip=False,
-            arrowprops={"arrowstyle": "-|>", "color": LOAD, "lw": 1.4, "shrinkA": 0, "shrinkB": 0},
-        )  # fmt: skip
-    if np.linalg.norm(shift) < 0.15 * size:  # along the line of sight
-        _points(axes, place, look, "x", LOAD)
+def _arrow(axes: Axes, start: FloatArray, end: FloatArray, colour: str, width: float = 1.4) -> None:
+    # Where it acts on the far side but its arrow stands out of the specimen, it is seen all the same.
+    axes.annotate(
+        "", xy=tuple(end), xytext=tuple(start), zorder=17, annotation_clip=False,
+        arrowprops={"arrowstyle": "-|>", "color": colour, "lw": width, "shrinkA": 0, "shrinkB": 0},
+    )  # fmt: skip
+
+
+def _arrow_sign(colour: str) -> Line2D:
+    return Line2D([], [], marker=r"$\rightarrow$", ls="", ms=13, color=colour)
+
+
+def _square(colour: str) -> Line2D:
+    return Line2D([], [], marker="s", ls="", ms=9, color=colour)
