@@ -61,7 +61,7 @@ class Folder:
     def kept(cls, path: Path, kind: FolderKind) -> Folder:
         """Go on with a folder, and mark it if it is not yet."""
         folder = cls(path)
-        if not (path / MARK).exists():
+        if not (path / MARK).exists() or _is_nothing(path / MARK):
             names = list(folder.names())
             (path / MARK).write_text(f"fissura {kind} 1\n", encoding="utf-8")
             folder.add(*names)

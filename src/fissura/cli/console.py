@@ -71,7 +71,9 @@ def _saved(error: BaseException) -> str:
     steps = len(result.curve["step"])
     done = result.summary.get("status") == "finished"
     which = f"while pictures were drawn; all {steps} steps are" if done else f"the {steps} steps before it are"
-    return f"{' ' if done else '; '}{which} saved in {result.folder}: {file_names(result.folder)}{go_on(result.folder)}"
+    # A run that stopped would stop there again.
+    hint = go_on(result.folder) if isinstance(error, KeyboardInterrupt) and not done else ""
+    return f"{' ' if done else '; '}{which} saved in {result.folder}: {file_names(result.folder)}{hint}"
 
 
 def go_on(folder: Path) -> str:
