@@ -1,8 +1,9 @@
 """Runs that are killed at random moments and resumed each time, against runs that were left alone.
 
 Every process is ended by SIGKILL at a moment that is uniform over a third of the time that an undisturbed run takes
-after its specimen was built, if it has not ended by then: while it writes its first files, between and within steps,
-refinements and checkpoints, and while the last files are written. Files are compared byte by byte, times left out.
+after its specimen was built (over all of it until there is a checkpoint), if it has not ended by then: while it writes
+its first files, between and within steps, refinements and checkpoints, and while the last files are written. Files are
+compared byte by byte, times left out.
 """
 
 from __future__ import annotations
@@ -110,9 +111,10 @@ def _row(name: str, seed: int, folder: Path, moments: random.Random, most: int) 
     finished(run)
     takes, kills, before = time.monotonic() - began, 0, 0
     while True:
+        within = takes / 3.0 if (folder / "killed" / "checkpoint.npz").exists() else takes
         run = started(name, seed, folder / "killed")
         try:
-            run.wait(moments.uniform(0.0, takes / 3.0) if kills < most else None)
+            run.wait(moments.uniform(0.0, within) if kills < most else None)
         except subprocess.TimeoutExpired:
             run.send_signal(signal.SIGKILL)
             run.communicate()
