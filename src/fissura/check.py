@@ -248,7 +248,11 @@ def _stage(stage: LoadingStage, energy: float) -> tuple[str, str]:
             f"dissipated energy, until the {quantity} is {told}{load}",
             f"{largest}, with energy in the lead {most}",
         )
-    fewest = math.ceil(stage.span / stage.max_step * (1 - 1e-9)) if len(stage.targets) == 1 else len(stage.targets)
+    if not stage.max_step:
+        least, part = (10, "tenth") if all(t.of for t in stage.targets) else (50, "fiftieth")
+        return f"{quantity}, to {told}", f"{least} or more, each at most a {part} of its way"
+    one = len(stage.targets) == 1 and stage.span
+    fewest = math.ceil(stage.span / stage.max_step * (1 - 1e-9)) if one else len(stage.targets)
     return f"{quantity}, to {told}{load and ' or until' + load.removeprefix(' or')}", f"{fewest} or more, {largest}"
 
 

@@ -26,8 +26,8 @@ __all__ = ["Ahead", "Planned", "ahead", "check_drives", "entered", "extended", "
 
 FloatArray = NDArray[np.float64]
 
-#: Steps of a leg to a share of a load, and of the weight, and what is left of one when a run is given up.
-_RELATIVE_STEPS, _WEIGHT_STEPS, _LEAST = 10, 4, 1e-4
+#: Steps of a leg to a share of a load, to zero, and of the weight, and what is left of one when a run is given up.
+_RELATIVE_STEPS, _STEPS, _WEIGHT_STEPS, _LEAST = 10, 50, 4, 1e-4
 
 #: Share of the loads that differs by round-off only.
 _ROUND_OFF = 1e-12
@@ -238,18 +238,18 @@ def _elastic(system: System, state: State) -> tuple[float, float]:
 
 def _leg(planned: Planned, way: Ahead, slope: float, longest_way: float) -> Leg:
     stage, length = planned.stage, abs(way.end - way.value)
-    steps = (stage.max_step, stage.first_step, stage.min_step)
-    if planned.target.of:
-        step = length / _RELATIVE_STEPS
-        steps = (step, step, _LEAST * step)
-    share = stage.max_step / longest_way if longest_way > 0.0 else 0.0
+    longest, first, smallest = stage.max_step, stage.first_step, stage.min_step
+    if planned.target.of or not longest:
+        longest = first = length / (_RELATIVE_STEPS if planned.target.of else _STEPS)
+        smallest = _LEAST * first
+    share = stage.max_step / longest_way if longest_way > 0.0 else 1.0 / _STEPS
     share = share if stage.energy_step is None else stage.energy_step
     drive, kept = way.driven
-    return Leg(way.index, drive.quantity, kept, way.value, way.end, way.load, slope, *steps, share)
+    return Leg(way.index, drive.quantity, kept, way.value, way.end, way.load, slope, longest, first, smallest, share)
 
 
 def check_drives(model: Model) -> None:
-    """Refuse stages whose loads do not move what they control.
+    """Refuse stages whose loads do not move what they control, or in the first one move it away from its target.
 
     Raises
     ------
@@ -272,4 +272,11 @@ def check_drives(model: Model) -> None:
                 f"{planned.stage.key}.{'gauge' if drive.quantity == 'gauge' else 'load'}",
                 "the load does not move the controlled quantity: nothing changes there however large the load is",
                 "places that the load moves apart",
+            )
+        from_rest = planned is model.legs[0] and len(model.case.stages) > 1
+        if from_rest and planned.target.value * dot(control, unit) < 0.0 < planned.target.value:
+            raise InputError(
+                f"{planned.stage.key}.gauge",
+                "the gauge gets smaller under the load, so it could only grow to its target under a negative load",
+                "a gauge with another direction, or a negative target",
             )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fissura.equilibrium import Equilibrium, SingularMatrixError, UnmovedGaugeError, settle
@@ -11,10 +13,19 @@ from fissura.model import Model
 from fissura.specimen import backward_gauge
 from fissura.state import Start, State, Totals
 
+if TYPE_CHECKING:
+    from fissura.case import Case
+
 __all__ = ["started"]
 
 #: Error of the initial stiffness that is accepted after calibration.
 _STIFFNESS_ERROR = 0.02
+
+
+def _is_to_grow(case: Case) -> bool:
+    """Whether the only stage is to make what it controls grow from rest."""
+    (first, *others), (target, *_) = case.stages, case.stages[0].targets
+    return not others and case.gravity is None and first.quantity != "force" and target.value > 0.0
 
 
 def started(model: Model, bodies: tuple[int, int]) -> State:
@@ -49,7 +60,7 @@ def started(model: Model, bodies: tuple[int, int]) -> State:
     stiffness = unit.load
     if len(model.legs) > 1:
         check_drives(model)
-    if stiffness < 0.0 and not (structure.compliance or 0.0) > 0.0 and case.control is not None:
+    if stiffness < 0.0 and not (structure.compliance or 0.0) > 0.0 and _is_to_grow(case):
         raise backward_gauge(system.conditions, stiffness)
     if structure.compliance is not None:
         off = stiffness * structure.compliance - 1.0

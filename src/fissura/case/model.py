@@ -180,14 +180,14 @@ class Case(Part):
     gravity: Gravity | None = None
     stage: Annotated[tuple[Stage, ...], BeforeValidator(as_tuple), at_most(100)] = ()
     load: Annotated[Load | None, unless("loads", "gravity")] = Field(
-        default=None, description="a table [load] with face or on"
+        default=None, description="a table [load] with face or on, or tables [loads.NAME]"
     )
     material: Material = Field(description="a table [material] with E, alpha, f_t, G_t")
     materials: Annotated[tuple[MaterialRegion, ...], BeforeValidator(as_tuple), at_most(1000)] = ()
     discretization: Discretization = Field(description="a table [discretization] with l_f")
     adaptivity: Adaptivity = Adaptivity()
     control: Annotated[Control | None, unless("stage")] = Field(
-        default=None, description="a table [control] with target"
+        default=None, description="a table [control] with target, or tables [[stage]] with to"
     )
     gauge: Gauge | None = None
     gauges: dict[str, Gauge] = Field(default_factory=dict, description="tables [gauges.NAME]")
@@ -270,15 +270,21 @@ class Case(Part):
 
     @field_validator("loads", "gauges", mode="before")
     @classmethod
-    def _names(cls, value: Any) -> Any:
+    def _names(cls, value: Any, info: ValidationInfo) -> Any:
+        kind = f"{info.field_name}".removesuffix("s")
+        tables = f"tables with names, such as [{kind}s.left]; one without a name is [{kind}]"
+        if isinstance(value, list):
+            fail("is a list of tables", tables)
         if not isinstance(value, dict):
-            return value
+            fail(f"{show(value)} is not a table", tables)
         if len(value) > _MOST_NAMES:
             fail(f"{len(value)} are given", f"at most {_MOST_NAMES}")
         for name in value:
             if not isinstance(name, str) or not _NAME.fullmatch(name):
                 allowed = "a letter, then letters, digits, - and _, up to 40 of them"
                 fail("is no name for a load or a gauge", allowed, (str(name),))
+            if not isinstance(value[name], Mapping | Part):
+                fail(f"{name} = {show(value[name])} stands where tables with names do", tables)
             if name == GRAVITY:
                 fail("is the name of the specimen's own weight", "a table [gravity], or another name", (name,))
         return value

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from fissura.case.material import Material
 from fissura.case.model import Case
-from fissura.case.units import ENERGY_PER_AREA, LENGTH, STRESS, Dimension, told
+from fissura.case.units import DENSITY, ENERGY_PER_AREA, LENGTH, STRESS, Dimension, told
 from fissura.errors import Notice
 
 __all__ = ["CHECKS", "case_notices", "suspect"]
@@ -65,6 +65,7 @@ _MODULUS = _Usual(1e9, 1e12, STRESS, "60 GPa", "soft", "stiff")
 _STRENGTH = _Usual(1e4, 1e9, STRESS, "2.2 MPa", "weak", "strong")
 _COMPRESSIVE = _Usual(1e4, 1e11, STRESS, "35 MPa", "weak", "strong")
 _ENERGY = _Usual(0.1, 1e4, ENERGY_PER_AREA, "35 J/m^2", "brittle", "tough")
+_DENSITY = _Usual(100.0, 2.5e4, DENSITY, "2400 kg/m^3", "light", "heavy")
 _SHEAR_ENERGY = _Usual(0.1, 1e6, ENERGY_PER_AREA, "560 J/m^2", "brittle", "tough")
 
 
@@ -122,7 +123,7 @@ def _target(case: Case) -> Iterable[Notice]:
     opening = l_f * material.f_t / material.E
     for stage in case.stages:
         target = abs(stage.target)
-        if stage.quantity == "force" or math.isnan(target):
+        if stage.quantity == "force" or math.isnan(target) or target == 0.0:
             continue
         if target > MOST_DISPLACEMENT * largest:
             yield Notice(
@@ -138,6 +139,14 @@ def _target(case: Case) -> Iterable[Notice]:
                 " with which a contact begins to crack",
                 'a larger target; numbers without a unit are in m, write such as "0.1 mm"',
             )
+
+
+def _weight(case: Case) -> Iterable[Notice]:
+    """Densities in t/m^3 or g/cm^3, without their unit."""
+    if case.gravity is not None:
+        notice = _DENSITY.notice("gravity.density", case.gravity.density)
+        if notice is not None:
+            yield notice
 
 
 def _spacings(case: Case) -> Iterable[Notice]:
@@ -186,7 +195,7 @@ def _field(case: Case) -> Iterable[Notice]:
 
 
 #: Each looks at a case and returns what looks wrong; a new check is a function here.
-CHECKS: tuple[Callable[[Case], Iterable[Notice]], ...] = (_material, _specimen, _spacings, _target, _field)
+CHECKS: tuple[Callable[[Case], Iterable[Notice]], ...] = (_material, _specimen, _weight, _spacings, _target, _field)
 
 
 def case_notices(case: Case) -> tuple[Notice, ...]:

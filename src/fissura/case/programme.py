@@ -195,16 +195,18 @@ class Stage(Part):
     def _steps_in_order(self) -> Self:
         unit = "N" if self.control == "force" else "m"
         span = self.span
+        longest, first, least = self.steps
         if span == 0.0:
             given = [key for key in ("max_step", "first_step", "min_step") if getattr(self, key) is not None]
-            if given:
+            if given and all(target.of for target in self.targets):
                 fail(
                     "is given, but no target is a value",
                     "none: ways to shares of a load have steps of their own",
                     given[0],
                 )
+            if given:
+                _check_steps(longest or first, first, least, longest or first, "max_step", unit)
             return self
-        longest, first, least = self.steps
         if longest > span * (1 + 1e-9):
             fail(
                 f"{longest:g} {unit} is more than the longest way, {span:g} {unit}",
@@ -216,11 +218,11 @@ class Stage(Part):
 
     @property
     def steps(self) -> tuple[float, float, float]:
-        """Longest, first and smallest step on ways between values [m or N]."""
+        """Longest, first and smallest step on ways between values; 0 where there is none, but zero [m or N]."""
         force, span = self.control == "force", self.span
         longest = self.max_step or span / (_FORCE_STEPS if force else 50)
-        first = self.first_step or min(span / (_FORCE_STEPS if force else 200), longest)
-        return longest, first, self.min_step or min(_LEAST_FORCE * first if force else span / 1e5, first)
+        first = self.first_step or (min(span / (_FORCE_STEPS if force else 200), longest) if span else longest)
+        return longest, first, self.min_step or min(span / 1e5 if span and not force else _LEAST_FORCE * first, first)
 
 
 def _is_share(text: str) -> bool:
@@ -257,7 +259,8 @@ class LoadingStage:
     targets : tuple of StageTarget
         Where to go, one after another.
     span, max_step, first_step, min_step : float
-        Longest way between values, and steps on such ways [m or N].
+        Longest way between values, and steps on such ways [m or N]; 0 where the way to a target is known only when it
+        begins: to zero, or to shares alone.
     tolerance, max_iterations, switch, stop_load, energy_step
         As in the case; the last one None where it follows from the longest step and the longest way.
     """
@@ -340,8 +343,11 @@ def resolved_stages(
                 control.energy_step,
             ),
         )
-    if stages[0].targets[0].of:
+    begin = stages[0].targets[0]
+    if begin.of:
         fail("begins with a share of a load, and there is none yet", "a value first", ("stage", 0, "to"))
+    if begin.value == 0.0 and GRAVITY not in loads:
+        fail("begins with zero, where the specimen is already", "another value first", ("stage", 0, "to"))
     return tuple(_resolved(stage, k, loads, placed, gauges) for k, stage in enumerate(stages))
 
 
@@ -362,7 +368,8 @@ def _resolved(stage: Stage, k: int, loads: Sequence[str], placed: Sequence[str],
     ratios = {given: 1.0} if isinstance(given, str) else given
     for name in ratios:
         if name not in loads:
-            fail(f"{show(name)} is no load", f"one of {', '.join(loads)}", ("stage", k, "load"))
+            why, more = (", since there is no [gravity]", " or a table [gravity]") if name == GRAVITY else ("", "")
+            fail(f"{show(name)} is no load{why}", f"one of {', '.join(loads)}{more}", ("stage", k, "load"))
     if stage.gauge is not None and stage.gauge not in gauges:
         fail(
             f"{show(stage.gauge)} is no gauge",

@@ -18,6 +18,9 @@ __all__ = ["fail", "input_error"]
 #: Errors of defaults that only wait for another key, which is wrong itself.
 WAITING = ("waiting", "default_factory_not_called")
 
+#: What is meant by keys that other tables have.
+MEANT = {"target": ("to",), "to": ("target",), "type": ("control",), "control": ("type",), "stages": ("stage",)}
+
 Location = tuple[int | str, ...]
 
 
@@ -93,7 +96,8 @@ def _describe(item: ErrorDetails, model: type[BaseModel], data: Mapping[str, Any
         return key, "missing", _description(model, location)
     if kind == "extra_forbidden":
         known = _known_keys(model, location[:-1], data)
-        near = difflib.get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
+        near = [name for name in known if name in MEANT.get(str(location[-1]), ())]
+        near = near or difflib.get_close_matches(str(location[-1]), known, n=1, cutoff=0.5)
         near = near or [name for name in known if name.lower() == str(location[-1]).lower()]
         hint = f"; did you mean {_dotted((*location[:-1], near[0]))}?" if near else ""
         return key, f"unknown key{hint}", ", ".join(known)

@@ -10,6 +10,9 @@ from fissura.results.quantities import force, length
 
 __all__ = ["negative_before_peak", "peak_position"]
 
+#: Share of the largest load below which a load is none.
+_ROUND_OFF = 1e-6
+
 FloatArray = NDArray[np.float64]
 
 
@@ -30,7 +33,7 @@ def negative_before_peak(load: FloatArray, gauge: FloatArray) -> list[Notice]:
         Loads [N] and gauges [m] of a run with at least one step.
     """
     until = peak_position(load) + 1
-    negative = np.flatnonzero(load[:until] < 0.0)
+    negative = np.flatnonzero(load[:until] < -_ROUND_OFF * np.abs(load).max())
     if not len(negative):
         return []
     first, least = int(negative[0]), float(load[:until].min())

@@ -79,7 +79,7 @@ def backward_gauge(conditions: Conditions, stiffness: float) -> InputError:
     turned = ", ".join(f"{-value + 0.0:.4g}" for value in along)
     problem = (
         f"the gauge gets smaller under the load (load over gauge is {stiffness:.3g} N/m at first), so it could only"
-        " grow to control.target under a negative load"
+        " grow to its target under a negative load"
     )
     key, load = conditions.gauge_keys[gauge], conditions.load_keys[int(np.argmax(main.ratios != 0.0))]
     measure = f"{key}.direction = [{turned}] counts what it gets smaller by as positive"
