@@ -261,3 +261,18 @@ def test_a_target_that_is_there_already_is_passed_over():
     steps = list(Simulation(stages({"to": "5 um"}, {"to": "5 um"}, {"control": "gauge", "to": "10 um"})).steps())
     assert {s.stage for s in steps} == {1, 3}
     assert all(a.number + 1 == b.number for a, b in pairwise(steps))
+
+
+def test_a_load_factor_counts_on_within_its_stage():
+    """On top of a load that is kept, to a share of the factor and back."""
+    tables = (
+        {"load": "a", "control": "force", "to": "200 N"},
+        {"load": {"a": 0.5, "b": 0.5}, "to": ["12 um", "10 % of load", "16 um"]},
+    )
+    steps = list(Simulation(small_beam(**TWO, stage=list(tables))).steps())
+    turn = next(k for k, s in enumerate(steps) if s.gauge == 12e-6)
+    low = min(steps[turn:], key=lambda s: s.gauge)
+    assert steps[turn].forces["b"] > 200.0
+    for name, before in (("a", 200.0), ("b", 0.0)):
+        assert low.forces[name] - before == pytest.approx(0.1 * (steps[turn].forces[name] - before), rel=1e-9)
+    assert steps[-1].gauge == 16e-6

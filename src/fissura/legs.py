@@ -129,13 +129,9 @@ def _seen(model: Model, state: State, index: int) -> Ahead:
     """A leg as it begins at a state."""
     planned, forces = model.legs[index], state.totals.forces
     ratios, target = planned.drive.ratios, planned.target
-    # Loads that have this ratio already go on from there; others stay, and the load factor counts from zero.
-    factor = float(ratios @ forces / (ratios @ ratios))
-    own = ratios != 0.0
-    if np.abs(forces - factor * ratios)[own].max() > _ROUND_OFF * max(np.abs(forces).max(), 1e-300):
-        factor, kept = 0.0, forces
-    else:
-        kept = np.where(own, 0.0, forces)
+    factor, kept = _shared(ratios, forces)
+    if state.leg is not None and np.array_equal(ratios, model.legs[state.leg.index].drive.ratios):
+        factor, kept = state.now.load, state.leg.kept
     u, acting = state.now.response.u, model.system.acting
     if planned.drive.quantity == "force":
         value = factor
@@ -149,6 +145,18 @@ def _seen(model: Model, state: State, index: int) -> Ahead:
         base = factor if target.of == "load" else np.copysign(_peak(model, state, index), factor)
         end = target.value * base
     return Ahead(index, Driven(planned.drive, kept), factor, value, end)
+
+
+def _shared(ratios: FloatArray, forces: FloatArray) -> tuple[float, FloatArray]:
+    """Load factor [N] and other forces (L,) that make up all forces.
+
+    Loads that have these ratios already go on from there; others stay, and the load factor counts from zero.
+    """
+    factor = float(ratios @ forces / (ratios @ ratios))
+    own = ratios != 0.0
+    if np.abs(forces - factor * ratios)[own].max() > _ROUND_OFF * max(np.abs(forces).max(), 1e-300):
+        return 0.0, forces
+    return factor, np.where(own, 0.0, forces)
 
 
 def _peak(model: Model, state: State, index: int) -> float:
