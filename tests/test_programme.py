@@ -1,5 +1,6 @@
 """Loading programmes: several loads, stages, cycles, gravity, forces that lead; against identities."""
 
+import re
 from functools import cache
 from itertools import pairwise
 
@@ -181,6 +182,7 @@ def test_beyond_what_it_bears_a_force_finds_nothing():
     with pytest.raises(RunStopped, match=r"bears no more than about .* N") as caught:
         kept.extend(iter(lambda: next(run), None))
     assert "stage[0].min_step" in str(caught.value)
+    assert re.search(r"control value [0-9.]+ N: ", str(caught.value))
     assert len(kept) > 3
     peak = max(s.load for s in Simulation(small_beam()).steps())
     assert 0.9 * peak < kept[-1].load < 1.02 * peak
@@ -261,6 +263,17 @@ def test_a_target_that_is_there_already_is_passed_over():
     steps = list(Simulation(stages({"to": "5 um"}, {"to": "5 um"}, {"control": "gauge", "to": "10 um"})).steps())
     assert {s.stage for s in steps} == {1, 3}
     assert all(a.number + 1 == b.number for a, b in pairwise(steps))
+
+
+def test_a_load_that_is_turned_round_takes_small_steps():
+    steps = list(Simulation(stages({"to": ["12 um", "50 % of load", "-50 % of load"]})).steps())
+    led = [s.load for s in steps if s.control == "force"]
+    top = next(s.load for s in steps if s.gauge == 12e-6)
+    down = np.diff([top, *led])
+    assert_allclose(led[9], 0.5 * top, rtol=1e-9)
+    assert_allclose(down[:10], -0.05 * top, rtol=1e-6)
+    assert_allclose(led[-1], -0.25 * top, rtol=1e-9)
+    assert np.abs(down[10:]).max() <= 0.015 * top * (1 + 1e-6)
 
 
 def test_a_load_factor_counts_on_within_its_stage():

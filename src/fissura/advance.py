@@ -80,7 +80,8 @@ def _stepped(model: Model, state: State) -> tuple[State, Step]:
         if found is not None:
             break
         if not follower.failed(state.now.load):
-            raise RunStopped(_lost(model, state, follower), state.number + 1, goal.size)
+            number, _, unit = state.position()
+            raise RunStopped(_lost(model, state, follower), number, goal.size, unit)
     state, step = accepted(model, state, goal, found)
     last = found.equilibrium.iterations
     follower.succeeded(goal, begun, found.equilibrium, state.totals.dissipated - dissipated)

@@ -249,7 +249,7 @@ def _stage(stage: LoadingStage, energy: float) -> tuple[str, str]:
             f"{largest}, with energy in the lead {most}",
         )
     if not stage.max_step:
-        least, part = (10, "tenth") if all(t.of for t in stage.targets) else (50, "fiftieth")
+        least, part = (10, "tenth") if all(t.of and 0.0 <= t.value <= 1.0 for t in stage.targets) else (50, "fiftieth")
         return f"{quantity}, to {told}", f"{least} or more, each at most a {part} of its way"
     one = len(stage.targets) == 1 and stage.span
     fewest = math.ceil(stage.span / stage.max_step * (1 - 1e-9)) if one else len(stage.targets)

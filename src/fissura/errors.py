@@ -104,14 +104,16 @@ class RunStopped(FissuraError):
     step : int
         Number of the step that could not be completed.
     gauge : float
-        Value of the controlled quantity [m] at which the run ended.
+        Value of the controlled quantity [m or N] at which the run ended.
+    unit : str, optional
+        Its unit.
     """
 
-    def __init__(self, reason: str, step: int, gauge: float) -> None:
+    def __init__(self, reason: str, step: int, gauge: float, unit: str = "m") -> None:
         self.reason = reason
         self.step = step
         self.gauge = gauge
-        super().__init__(f"stopped at step {step}, control value {gauge:.6g} m: {reason}")
+        super().__init__(f"stopped at step {step}, control value {gauge:.6g} {unit}: {reason}")
 
 
 class EnsembleStopped(FissuraError):

@@ -26,8 +26,9 @@ __all__ = ["Ahead", "Planned", "ahead", "check_drives", "entered", "extended", "
 
 FloatArray = NDArray[np.float64]
 
-#: Steps of a leg to a share of a load, to zero, and of the weight, and what is left of one when a run is given up.
-_RELATIVE_STEPS, _STEPS, _WEIGHT_STEPS, _LEAST = 10, 50, 4, 1e-4
+#: Steps of a leg to a share of a load as long as it unloads, else to a share or to zero, and of the weight, and what is
+#: left of one when a run is given up.
+_UNLOADING_STEPS, _STEPS, _WEIGHT_STEPS, _LEAST = 10, 50, 4, 1e-4
 
 #: Share of the loads that differs by round-off only.
 _ROUND_OFF = 1e-12
@@ -248,7 +249,8 @@ def _leg(planned: Planned, way: Ahead, slope: float, longest_way: float) -> Leg:
     stage, length = planned.stage, abs(way.end - way.value)
     longest, first, smallest = stage.max_step, stage.first_step, stage.min_step
     if planned.target.of or not longest:
-        longest = first = length / (_RELATIVE_STEPS if planned.target.of else _STEPS)
+        unloads = planned.target.of and 0.0 <= way.end * way.value <= way.value**2  # along a line, to the origin
+        longest = first = length / (_UNLOADING_STEPS if unloads else _STEPS)
         smallest = _LEAST * first
     share = stage.max_step / longest_way if longest_way > 0.0 else 1.0 / _STEPS
     share = share if stage.energy_step is None else stage.energy_step

@@ -119,7 +119,7 @@ class Simulation:
         RunStopped
             A calculation failed.
         """
-        with stopping(lambda: (1, 0.0), refusing=True):
+        with stopping(lambda: (1, 0.0, "m"), refusing=True):
             return started(self.model, (self.bodies_start, self.bodies_full))
 
     @property

@@ -156,6 +156,7 @@ class State:
     effort: Effort = field(default_factory=Effort)
     aim: FloatArray | None = None
 
-    def position(self) -> tuple[int, float]:
-        """Number of the next step, and the value of the controlled quantity where it begins [m or N]."""
-        return self.number + 1, self.now.value
+    def position(self) -> tuple[int, float, str]:
+        """Number of the next step, and the value of the controlled quantity where it begins, with its unit."""
+        by_force = self.leg is not None and self.leg.quantity == "force"
+        return self.number + 1, self.now.value, "N" if by_force else "m"

@@ -42,7 +42,7 @@ def reason(error: Exception) -> str:
 
 
 @contextmanager
-def stopping(position: Callable[[], tuple[int, float]], *, refusing: bool = False) -> Iterator[None]:
+def stopping(position: Callable[[], tuple[int, float, str]], *, refusing: bool = False) -> Iterator[None]:
     """Turn whatever goes wrong inside into `RunStopped`, so that what was computed before is kept.
 
     Interruptions by the user are none of this, and go through.
@@ -50,7 +50,8 @@ def stopping(position: Callable[[], tuple[int, float]], *, refusing: bool = Fals
     Parameters
     ----------
     position : callable
-        Gives the number of the step that cannot be completed, and the value of the controlled quantity [m].
+        Gives the number of the step that cannot be completed, the value of the controlled quantity, and
+        its unit.
     refusing : bool
         Nothing has been computed yet: `InputError` refuses the case, and goes through.
 
