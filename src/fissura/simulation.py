@@ -128,7 +128,7 @@ class Simulation:
         return self.state is not None and self.model.ended(self.state)
 
     def steps(self) -> Iterator[Step]:
-        """Accepted steps, until the target is reached; :attr:`state` goes with them.
+        """Accepted steps, until the target is reached; `state` goes with them.
 
         Yields
         ------

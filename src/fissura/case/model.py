@@ -201,7 +201,7 @@ class Case(Part):
         return None  # `load_case` puts the text in its place
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy with other values, see :meth:`Part.model_copy`; the text of the case file stays with it."""
+        """Copy with other values, see `Part.model_copy`; the text of the case file stays with it."""
         found = super().model_copy(update=update, deep=deep)
         if "source" in self.__dict__:
             found.__dict__["source"] = self.source
