@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+import fissura
 from conftest import small_beam
 from fissura.advance import advance
 from fissura.simulation import Simulation
@@ -85,3 +86,13 @@ def test_another_simulation_goes_on_from_a_state(name):
     found = list(other.steps())
     assert [bits(step) for step in found] == [bits(step) for step in steps[k + 1 :]]
     assert other.notices == simulation.notices
+
+
+def test_observers_see_every_state_and_its_step():
+    seen = []
+    case = small_beam(control__stop_load=0.99)
+    result = fissura.run(case, observers=[lambda state, step: seen.append((state, step))])
+    assert [step.number for _, step in seen] == result.curve["step"].tolist()
+    for state, step in seen:
+        assert (state.number, state.totals.dissipated) == (step.number, step.dissipated)
+        np.testing.assert_array_equal(state.now.response.u.reshape(-1, 6), step.snapshot.displacement)
