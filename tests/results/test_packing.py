@@ -41,6 +41,14 @@ def test_nested_dataclasses_come_back():
     assert again(Outer("b", None)).inner is None
 
 
+@pytest.mark.parametrize("some", [np.empty((0, 3)), np.empty(0, np.int32), np.zeros((2, 0), bool)])
+def test_empty_arrays_keep_their_shape(some):
+    arrays = {}
+    found = unpack(json.loads(json.dumps(pack(some, "some", arrays))), arrays, ())
+    assert (found.shape, found.dtype) == (some.shape, some.dtype)
+    assert not arrays
+
+
 def test_fields_of_later_versions_get_their_defaults():
     arrays = {}
     tree = pack(Outer("a", None), "", arrays)

@@ -88,7 +88,8 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     OSError
         It cannot be written.
     """
-    arrays: dict[str, NDArray[Any]] = {f"curve.{name}": values for name, values in checkpoint.curve.items()}
+    numbers, words = _parted(checkpoint.curve)
+    arrays: dict[str, NDArray[Any]] = {"curve": np.stack(list(numbers.values())), **words}
     state = pack(checkpoint.state, "state", arrays)
     at_peak = checkpoint.peak is checkpoint.state
     text = {
@@ -97,6 +98,7 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
         "versions": checkpoint.versions,
         "state": state,
         "peak": None if at_peak else pack(checkpoint.peak, "peak", arrays),
+        "columns": [(name, values.dtype.kind) for name, values in numbers.items()],
         "written": checkpoint.written,
         "owed": checkpoint.owed,
         "share": checkpoint.share,
@@ -108,6 +110,12 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     arrays["text"] = np.frombuffer(json.dumps(text).encode(), dtype=np.uint8)
     # Hardly anything in it shrinks.
     write_archive(path, FORMAT, FORMAT_VERSION, arrays, compress=False)
+
+
+def _parted(curve: Curve) -> tuple[Curve, Curve]:
+    """Columns of numbers, and those of words under their names in the file."""
+    numbers = {name: values for name, values in curve.items() if values.dtype.kind in "if"}
+    return numbers, {f"curve.{name}": values for name, values in curve.items() if name not in numbers}
 
 
 def checkpoint_in(folder: Path) -> Path:
@@ -145,7 +153,9 @@ def read_checkpoint(folder: Path) -> Checkpoint:
         text = json.loads(arrays["text"].tobytes())
         state = unpack(text.pop("state"), arrays, TYPES)
         peak = text.pop("peak")
-        curve = {name.removeprefix("curve."): values for name, values in arrays.items() if name.startswith("curve.")}
+        rows = zip(text.pop("columns"), arrays["curve"], strict=True)
+        curve: Curve = {name: values.astype(np.int64 if kind == "i" else np.float64) for (name, kind), values in rows}
+        curve |= {name.removeprefix("curve."): arrays[name] for name in arrays if name.startswith("curve.")}
         return Checkpoint(
             **{**text, "written": tuple(text["written"]), "sections": tuple(text["sections"])},
             state=state,

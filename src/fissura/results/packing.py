@@ -43,6 +43,8 @@ def pack(value: Any, key: str, arrays: dict[str, NDArray[Any]]) -> Any:
     if isinstance(value, tuple):
         return {"tuple": [pack(item, f"{key}.{k}", arrays) for k, item in enumerate(value)]}
     if isinstance(value, np.ndarray):
+        if not value.size:  # many are empty, and each in a file takes its time
+            return {"empty": list(value.shape), "dtype": value.dtype.str}
         arrays[key] = value
         return {"array": key}
     if isinstance(value, np.generic):
@@ -81,6 +83,8 @@ def unpack(tree: Any, arrays: Mapping[str, NDArray[Any]], types: Iterable[type])
             return tree
         if "array" in tree:
             return arrays[tree["array"]]
+        if "empty" in tree:
+            return np.empty(tree["empty"], dtype=tree["dtype"])
         if "tuple" in tree:
             return tuple(made(item) for item in tree["tuple"])
         return known[tree["type"]](**{name: made(item) for name, item in tree["fields"].items()})
