@@ -1,6 +1,6 @@
 """Pictures of docs/specimens.md: every case that `fissura new` prints, as `fissura show` draws it, and a 3D view.
 
-Nothing is run. --folder keeps the single pictures.
+It also breaks examples/beam_d100.toml and writes the view of docs/python.md. --folder keeps the single pictures.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 from PIL import Image
 
 from common import ROOT, say
+from fissura import run
 from fissura.case import case_from_dict, load_case
 from fissura.results.pyvista_tools import screenshot
 from fissura.results.specimen_picture import plot_specimen
@@ -59,9 +60,15 @@ def with_platens(path: Path) -> None:
         place |= {"width": "20 mm", "platen": "glued"}
     case = case_from_dict(data | {"name": "four-point", "gravity": {"density": "2400 kg/m^3"}})
     screenshot(specimen_view(Simulation(case), off_screen=True), path)
+    shrink(path)
+
+
+def shrink(path: Path) -> None:
+    """Give a picture a palette, and say how large it is."""
     with Image.open(path) as picture:
         small = picture.convert("RGB").quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     small.save(path, optimize=True)
+    say(f"{path}: {path.stat().st_size / 1e3:.0f} kB")
 
 
 def main() -> int:
@@ -70,6 +77,7 @@ def main() -> int:
     place = ROOT / "docs" / "images" / "specimens.png"
     parser.add_argument("--picture", type=Path, default=place, metavar="PATH")
     parser.add_argument("--view", type=Path, default=place.with_name("specimen_view.png"), metavar="PATH")
+    parser.add_argument("--result", type=Path, default=place.with_name("result_view.png"), metavar="PATH")
     parser.add_argument("--folder", type=Path, metavar="PATH")
     found = parser.parse_args()
     pictures = []
@@ -93,7 +101,8 @@ def main() -> int:
     gallery.quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(found.picture, optimize=True)
     say(f"{found.picture}: {len(pictures)} specimens, {found.picture.stat().st_size / 1e3:.0f} kB")
     with_platens(found.view)
-    say(f"{found.view}: {found.view.stat().st_size / 1e3:.0f} kB")
+    run(ROOT / "examples" / "beam_d100.toml").show(output=found.result)
+    shrink(found.result)
     return 0
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from fissura.case import Case, load_case
+from fissura.case import Case, case_from_dict, load_case
 from fissura.case.continued import continued
 from fissura.case.types import whole
 from fissura.case.units import show
@@ -34,7 +34,7 @@ logger = logging.getLogger(__name__)
 
 
 def run(
-    case: Case | str | Path,
+    case: Case | Mapping[str, Any] | str | Path,
     *,
     full: bool = False,
     output: str | Path | None = None,
@@ -49,8 +49,8 @@ def run(
 
     Parameters
     ----------
-    case : Case or path
-        Case, or the TOML file that describes it.
+    case : Case, mapping or path
+        Case; tables and keys as in a case file, as nested dictionaries; or the TOML file that describes it.
     full : bool, optional
         Full resolution everywhere from the start instead of adaptive refinement.
     output : path, optional
@@ -85,7 +85,9 @@ def run(
     OSError
         If a file cannot be written; what could be written is saved, attribute ``result`` as before.
     """
-    if not isinstance(case, Case):
+    if isinstance(case, Mapping):
+        case = case_from_dict(case)
+    elif not isinstance(case, Case):
         case = load_case(case)
     if seed is not None:
         case = with_seed(case, seed)

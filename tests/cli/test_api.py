@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -114,3 +115,13 @@ def test_the_time_left_is_told_when_the_pace_says_something(tiny: Path, monkeypa
     assert sum(lengths[:first]) < 0.1
     for number, left in told.items():
         assert 0.8 * (len(lengths) - number) - 1 <= left <= 2.0 * (len(lengths) - number) + 1
+
+
+def test_api_runs_tables(tiny: Path, fake: type[FakeSimulation]) -> None:
+    """Tables of a case file, as nested dictionaries."""
+    tables = tomllib.loads(tiny.read_text())
+    result: Any = api.run(tables, seed=3)
+    assert result.status == "finished"
+    assert fake.built[0].case == load_case(tiny).with_({"name": "case", "seed": 3})
+    with pytest.raises(InputError, match=r"^control\.target: "):
+        api.run(tables | {"control": {"target": "1 kN"}})

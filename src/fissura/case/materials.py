@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import (
@@ -89,6 +90,12 @@ class MaterialRegion(Part):
         self._differing = {
             name: value for name, value in constants.items() if name in given or value != common.get(name)
         }
+
+    def _given(self, update: Mapping[str, Any]) -> dict[str, Any]:
+        given = self.constants
+        if update.get("macro") is not None:
+            given = {name: value for name, value in given.items() if name not in ("E", "alpha")}
+        return {"region": self.region, **given}
 
     @model_serializer(mode="wrap")
     def _dumped(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -52,7 +52,9 @@ class Control(Part):
     min_step: StepLength = Field(
         default_factory=derived(lambda target, step: min(target / 1e5, step), "target", "first_step")
     )
-    energy_step: Fraction = Field(default_factory=derived(lambda target, step: min(step / target, 1.0), "target", "max_step"))
+    energy_step: Fraction = Field(
+        default_factory=derived(lambda target, step: min(step / target, 1.0), "target", "max_step")
+    )
     tolerance: Tolerance = 1e-4
     max_iterations: Iterations = 30
     switch: Flag = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -70,27 +71,24 @@ def _check_view(output: Path | None) -> None:
     InputError
         PyVista is not installed, there is no screen, or the picture would be no PNG.
     """
-    from fissura.results.pyvista_tools import can_open_windows, pyvista
+    from fissura.results.pyvista_tools import can_open_windows, check_picture, pyvista
 
     pyvista()
     if output is None and not can_open_windows():
         allowed = "--output FILE.png, which makes a picture of the view, or no --interactive"
         raise InputError("--interactive", "there is no screen to open a window on", allowed)
-    if output is not None and output.suffix.lower() != ".png":
-        raise InputError("--output", f"{output}: views are written as .png only", "a name that ends in .png")
+    if output is not None:
+        check_picture(output, "--output")
 
 
 def _view(simulation: Simulation, output: Path | None, sight: Sight) -> None:
     """Show a specimen in a window until that is closed, or write a picture of it."""
-    from fissura.results.pyvista_tools import screenshot
+    from fissura.results.pyvista_tools import shown
     from fissura.results.specimen_view import specimen_view
 
     view = specimen_view(simulation, sight, off_screen=output is not None)
-    if output is None:
-        view.show(title=simulation.case.name)
-    else:
-        with writing(output):
-            screenshot(view, output)
+    with writing(output) if output is not None else nullcontext():
+        shown(view, simulation.case.name, output)
 
 
 def compare(

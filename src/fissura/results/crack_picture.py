@@ -20,13 +20,14 @@ from fissura.results.front import rims, seen
 from fissura.results.lettering import may_shrink, save
 from fissura.results.path import NAMES
 from fissura.results.pictures import DPI, INK, headline, tidy
+from fissura.results.plotting import new_axes
 from fissura.results.result import Result
 
 if TYPE_CHECKING:
     from fissura.step import Snapshot
     from fissura.tessellation.structure import Polygons
 
-__all__ = ["plot_crack"]
+__all__ = ["crack_axes", "plot_crack"]
 
 FloatArray = NDArray[np.float64]
 
@@ -70,11 +71,8 @@ def plot_crack(result: Result, path: Path) -> None:
     path : Path
         File to write; its ending decides the format.
     """
-    snapshot = result.last
-    view = _view(snapshot)
-    points = np.concatenate(view.outline)
-    low, high = points.min(axis=0), points.max(axis=0)
-    whole = _window(low, high, 0.03 * (high - low).max(), 0.0, np.inf)
+    view = _view(result.last)
+    whole = _whole(view)
     zone = _cracked_zone(view)
     figure = Figure(layout="constrained")
     if zone is None:
@@ -98,10 +96,7 @@ def plot_crack(result: Result, path: Path) -> None:
             )
         )
         may_shrink(second.set_title("cracked zone", loc="left", fontsize=9, color=INK))
-        bar = figure.colorbar(ScalarMappable(view.norm, HEAT), ax=second, pad=0.02, fraction=0.05, aspect=28)
-        bar.set_label("crack opening [µm]", color=INK)
-        bar.ax.tick_params(colors=INK, labelsize=9)
-        bar.outline.set_visible(False)
+        _bar(second, view)
     _draw(first, view, whole, 1.0)
     second.legend(
         handles=[Patch(facecolor=c, edgecolor=EDGE, label=n) for c, n in ((FINE, "fine"), (COARSE, "coarse"))],
@@ -117,6 +112,34 @@ def plot_crack(result: Result, path: Path) -> None:
     # Beside another panel both lines stand above its title, so that they have the whole width.
     _titles(first, result, raised=14.0 if zone is not None and beside else 0.0)
     save(figure, path, DPI)
+
+
+def crack_axes(result: Result, ax: Axes | None) -> Axes:
+    """Draw the whole specimen as `plot_crack` does into axes; see `Result.plot_crack`."""
+    view = _view(result.last)
+    whole = _whole(view)
+    if ax is None:
+        ax = new_axes((WIDE, _height(whole)))
+        _titles(ax, result, raised=0.0)
+    if len(view.openings):
+        _bar(ax, view)
+    _draw(ax, view, whole, 1.0)
+    return ax
+
+
+def _whole(view: View) -> FloatArray:
+    """Window round the specimen."""
+    points = np.concatenate(view.outline)
+    low, high = points.min(axis=0), points.max(axis=0)
+    return _window(low, high, 0.03 * (high - low).max(), 0.0, np.inf)
+
+
+def _bar(axes: Axes, view: View) -> None:
+    """Colour bar of the openings beside axes."""
+    bar = axes.figure.colorbar(ScalarMappable(view.norm, HEAT), ax=axes, pad=0.02, fraction=0.05, aspect=28)
+    bar.set_label("crack opening [µm]", color=INK)
+    bar.ax.tick_params(colors=INK, labelsize=9)
+    bar.outline.set_visible(False)
 
 
 def _view(snapshot: Snapshot) -> View:

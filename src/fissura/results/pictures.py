@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from fissura.results.compare import Comparison
 
 __all__ = [
+    "curve_figure",
     "energy_unit",
     "fill_measured",
     "gauge_unit",
@@ -56,6 +57,11 @@ def plot_curve(result: Result, path: Path) -> None:
     InputError
         The measured band cannot be read.
     """
+    save(curve_figure(result), path, DPI)
+
+
+def curve_figure(result: Result) -> Figure:
+    """The figure that `plot_curve` writes."""
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.add_subplot()
     measured = result.case.output.measured
@@ -117,7 +123,7 @@ def plot_curve(result: Result, path: Path) -> None:
     axes.set_ylabel(f"{load_name(result.case)} [{y_unit}]")
     headline(axes, result.case.name, _kind(result))
     _legend(axes, gauge, load)
-    save(figure, path, DPI)
+    return figure
 
 
 def plot_comparison(comparison: Comparison, path: Path) -> None:

@@ -18,7 +18,17 @@ from fissura.files import replacing
 from fissura.results.lettering import literal
 from fissura.results.pictures import INK
 
-__all__ = ["can_open_windows", "legend", "plotter", "polygon_mesh", "pyvista", "screenshot", "toggled"]
+__all__ = [
+    "can_open_windows",
+    "check_picture",
+    "legend",
+    "plotter",
+    "polygon_mesh",
+    "pyvista",
+    "screenshot",
+    "shown",
+    "toggled",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -106,8 +116,41 @@ def legend(view: Any, entries: Sequence[tuple[str, str]]) -> None:
         view.add_text(literal(name), position=(at[0] + 0.025, at[1]), viewport=True, font_size=8, color=INK)
 
 
+def shown(view: Any, title: str, output: Path | None = None) -> Any:
+    """Open a window, show a view in a notebook, or write a picture of it.
+
+    Raises
+    ------
+    InputError
+        There is no screen to open a window on, or the picture would be no PNG.
+    OSError
+        The file cannot be written.
+    """
+    if output is not None:
+        check_picture(output, "output")
+        return screenshot(view, output)
+    if not view.notebook and not can_open_windows():
+        view.close()
+        raise InputError("show", "there is no screen to open a window on", 'output="FILE.png"')
+    return view.show(title=title)
+
+
+def check_picture(output: Path, key: str) -> None:
+    """Refuse a picture of a view that is no PNG.
+
+    Raises
+    ------
+    InputError
+        It would be none.
+    """
+    if output.suffix.lower() != ".png":
+        raise InputError(key, f"{output}: views are written as .png only", "a name that ends in .png")
+
+
 def toggled(view: Any, actors: Sequence[Any], opacity: float, hint: str) -> None:
-    """Let the key ``t`` make some actors transparent and opaque again, and say so in the view."""
+    """Let the key ``t`` make some actors transparent and opaque again, and say so in the view; windows only."""
+    if view.off_screen or view.notebook:
+        return
 
     def toggle() -> None:
         for actor in actors:

@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.results import quantities as text
 from fissura.results.curve import COLUMN_OF, COLUMNS, Curve, read_curve
-from fissura.results.names import load_name
-from fissura.results.peak import peak_position
 from fissura.results.state import read_state
 from fissura.results.summary import curve_numbers, read_summary, result_folder
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from fissura.case import Case, Quantity
     from fissura.step import Snapshot
 
@@ -122,22 +121,22 @@ class Result:
     @property
     def peak_load(self) -> float:
         """Load of largest magnitude, with its sign [N]; nan without steps."""
-        return self._number("peak_load_N")
+        return self.number("peak_load_N")
 
     @property
     def gauge_at_peak(self) -> float:
         """Gauge at the peak load [m]; nan without steps."""
-        return self._number("gauge_at_peak_m")
+        return self.number("gauge_at_peak_m")
 
     @property
     def dissipated_energy(self) -> float:
         """Energy dissipated by the contacts until the last step [J]; nan without steps."""
-        return self._number("dissipated_energy_J")
+        return self.number("dissipated_energy_J")
 
     @property
     def initial_stiffness(self) -> float:
         """Load per gauge of the first elastic solution [N/m]; nan without steps."""
-        return self._number("initial_stiffness_N_per_m")
+        return self.number("initial_stiffness_N_per_m")
 
     @property
     def last(self) -> Snapshot:
@@ -154,48 +153,156 @@ class Result:
 
     def table(self) -> list[tuple[str, str]]:
         """Rows of name and value that describe the run."""
-        s, number = self.summary, self._number
-        kind = "full resolution" if self.full else f"adaptive ({s.get('criterion')})"
-        led = f" ({s['steps_led_by_energy']} led by energy)" if s.get("steps_led_by_energy") else ""
-        coarser = f"{s['coarsenings']} coarsenings, " if s.get("coarsenings") else ""
-        at_peak = float(self.controlled[peak_position(self.load_values)]) if self.steps else math.nan
-        bodies = " → ".join(text.count(number(key)) for key in ("bodies_start", "bodies_end"))
-        return [
-            ("case", f"{s.get('case')}, seed {s.get('seed')}, {kind}"),
-            ("status", ": ".join(str(s[key]) for key in ("status", "message") if s.get(key))),
-            (
-                load_name(self.case).replace("load", "peak load"),
-                f"{text.force(self.peak_load)} at {text.length(at_peak)}",
-            ),
-            ("initial stiffness", text.stiffness(self.initial_stiffness)),
-            ("dissipated energy", text.energy(self.dissipated_energy)),
-            ("energy balance error", text.per_cent(number("energy_balance_error"))),
-            ("load and reactions differ by", text.per_cent(number("unbalanced_force"))),
-            (
-                "elastic contacts at most at",
-                text.per_cent(number("max_elastic_utilisation")) + " of strength",
-            ),
-            *self._precision(),
-            ("bodies", f"{bodies} (full: {text.count(number('bodies_full'))})"),
-            (
-                "steps",
-                f"{self.steps}{led} with {s.get('refinements')} refinements, {coarser}{s.get('iterations')} iterations",
-            ),
-            ("time", f"{text.seconds(number('wall_s'))} ({text.seconds(number('cpu_s'))} of processor)"),
-            ("memory", f"{number('peak_memory_MB'):.0f} MB"),
-        ]
+        from fissura.results.table import rows_of
 
-    def _precision(self) -> list[tuple[str, str]]:
-        """Row about the error of adaptivity; none at full resolution."""
-        if self.summary.get("load_error_bound") is None:
-            return []
-        bound = text.per_cent(self._number("load_error_bound"))
-        return [("load off full resolution", f"by {bound} of its peak at most, in 95 of 100 runs like it")]
+        return rows_of(self)
 
-    def _number(self, key: str) -> float:
+    def plot(self, x: str | None = None, y: str = "load", ax: Axes | None = None, **line: Any) -> Axes:
+        """Draw any column of the curve over any other, with units on the axes.
+
+        Parameters
+        ----------
+        x, y : str, optional
+            Names of columns of ``curve.csv``, with or without their units; by default the load over what is controlled.
+        ax : matplotlib Axes, optional
+            Where; by default those of a new figure. Units that its axes name are kept, so that curves may be compared.
+        **line
+            Properties of the line, such as ``color`` and ``label``.
+
+        Returns
+        -------
+        matplotlib Axes
+            Where it was drawn.
+
+        Raises
+        ------
+        InputError
+            There is no such column, or it holds words.
+
+        Examples
+        --------
+        >>> ax = result.plot()
+        >>> adaptive.plot(ax=full.plot(color="0.7")).legend()
+        >>> result.plot(x="step", y="dissipated")
+        """
+        from fissura.results.plotting import plot_columns
+
+        return plot_columns(self, x, y, ax, line)
+
+    def plot_crack(self, ax: Axes | None = None) -> Axes:
+        """Draw the last state looking along z, with all opened contacts over it, in mm.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where; by default those of a new figure, with a title.
+
+        Returns
+        -------
+        matplotlib Axes
+            Where it was drawn; a colour bar stands beside it where anything has opened.
+
+        Raises
+        ------
+        InputError
+            There is no state of a last step.
+
+        Examples
+        --------
+        >>> result.plot_crack().figure.savefig("crack.pdf")
+        """
+        from fissura.results.crack_picture import crack_axes
+
+        return crack_axes(self, ax)
+
+    def to_dataframe(self) -> Any:
+        """The curve as a ``pandas.DataFrame``, one row per step in SI units, steps as its index.
+
+        Raises
+        ------
+        InputError
+            Pandas is not installed.
+
+        Examples
+        --------
+        >>> result.to_dataframe()[["gauge_m", "load_N"]].to_excel("curve.xlsx")
+        """
+        from fissura.results.dataframe import dataframe_of
+
+        return dataframe_of(self.curve)
+
+    def to_pyvista(self, step: int | None = None) -> Any:
+        """Bodies and cracks of a step as meshes in metres; needs PyVista (extra ``view``).
+
+        Parameters
+        ----------
+        step : int, optional
+            One of `snapshots`, or of those that the folder has ``.vtu`` files of; by default the last one.
+
+        Returns
+        -------
+        pyvista.MultiBlock
+            ``bodies``: polyhedra; ``cracks``: polygons of contacts with damage. Their data are those of the files
+            for ParaView (docs/files.md), such as ``stress``, ``opening`` and, at points, ``displacement``.
+
+        Raises
+        ------
+        InputError
+            There is no state of this step, or PyVista is not installed.
+
+        Examples
+        --------
+        >>> meshes = result.to_pyvista()
+        >>> meshes["bodies"].warp_by_vector("displacement", factor=100).plot(scalars="largest_principal_stress")
+        >>> meshes["cracks"].cell_data["opening"].max()
+        """
+        from fissura.results.meshes import meshes_of
+
+        return meshes_of(self, step)
+
+    def show(self, step: int | None = None, *, magnify: float | None = None, output: str | Path | None = None) -> Any:
+        """Show cracks and the skin of the bodies in 3D, in a window or in the notebook; needs PyVista (extra ``view``).
+
+        Parameters
+        ----------
+        step : int, optional
+            As of `to_pyvista`.
+        magnify : float, optional
+            Factor on displacements; by default a round number such that the largest is a few per cent of the specimen.
+        output : path, optional
+            PNG file to write instead; no screen is needed then.
+
+        Returns
+        -------
+        What PyVista returns: in a notebook what that shows, else None.
+
+        Raises
+        ------
+        InputError
+            There is no state of this step, no screen, or PyVista is not installed.
+
+        Examples
+        --------
+        >>> result.show()
+        >>> result.show(step=20, magnify=200, output="step20.png")
+        """
+        from fissura.results.pyvista_tools import shown
+        from fissura.results.result_view import result_view
+
+        view = result_view(self, step, magnify=magnify, off_screen=True if output is not None else None)
+        return shown(view, self.case.name, None if output is None else Path(output))
+
+    def _repr_html_(self) -> str:
+        from fissura.results.html import result_html
+
+        return result_html(self)
+
+    def number(self, key: str) -> float:
+        """A number of the summary; nan where there is none."""
         value = self.summary.get(key)
         return math.nan if value is None else float(value)
 
     def __repr__(self) -> str:
-        width = max(len(name) for name, _ in self.table())
-        return "\n".join(f"{name:<{width}}  {value}" for name, value in self.table())
+        rows = self.table()
+        width = max(len(name) for name, _ in rows)
+        return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)

@@ -77,8 +77,7 @@ def specimen_view(simulation: Simulation, sight: Sight | None = None, *, off_scr
         xtitle="x [mm]", ytitle="y [mm]", ztitle="z [mm]", location="outer", font_size=9, color="#6b7280", n_xlabels=3,
         n_ylabels=3, n_zlabels=3, fmt="%.4g", bounds=(MM * domain.bounds).T.ravel().tolist(),
     )  # fmt: skip
-    if not view.off_screen:
-        toggled(view, bodies, 0.25, "look inside")
+    toggled(view, bodies, 0.25, "look inside")
     view.view_vector(look[2], viewup=look[1])
     view.camera.SetWindowCenter(0.0, -0.12)  # above the legend
     return view
