@@ -15,6 +15,9 @@ OTHER = {"a": {"face": "bottom", "at": 0.05}, "b": {"face": "bottom", "at": 0.07
 BACKWARD = {"a": ENDS["b"], "b": ENDS["a"], "direction": [1.0, 0.0, 0.0]}
 
 
+HALVES = {"left": 0.5, "right": 0.5}
+
+
 def programme(*tables, **changes):
     return small_beam(**{"control": None, "stage": list(tables)} | changes)
 
@@ -41,6 +44,8 @@ WRONG = [
     ("stage[0].to", (stage(to=[]),), {}, "the list is empty"),
     ("stage[0].to", ({"control": "gauge"},), {}, "missing"),
     ("stage[0].to", (stage(to="5 % of load"),), {}, "a value first"),
+    ("stage[1].to", (stage(load="left"), {"load": "right", "to": "5 % of load"}), TWO, "zero there"),
+    ("stage[1].to", (stage(load="left"), {"load": HALVES, "to": "5 % of load"}), TWO, "in these ratios"),
     ("stage[0].to", (stage(to="0 um"),), {}, "already"),
     ("stage[0].to[1]", (stage(to=["20 um", "5 %"]),), {}, '"5 % of load"'),
     ("stage[0].to[1]", (stage(to=["20 um", "20 um"]),), {}, "the target before it"),
@@ -72,6 +77,18 @@ def test_one_message_names_the_key(key, tables, changes, words):
         programme(*tables, **changes)
     assert caught.value.key == key
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        (stage(load=HALVES), {"load": "right", "to": "5 % of load"}),
+        (stage(load=HALVES), {"load": {"right": 1, "left": 1}, "to": "5 % of load"}),
+        (stage(load="left"), stage(load="right"), {"load": "left", "to": "50 % of peak"}),
+    ],
+)
+def test_shares_of_loads_that_are_there(tables):
+    assert len(programme(*tables, **TWO).stages) == len(tables)
 
 
 def test_a_density_without_its_unit_looks_wrong():

@@ -350,7 +350,22 @@ def resolved_stages(
         fail("begins with a share of a load, and there is none yet", "a value first", ("stage", 0, "to"))
     if begin.value == 0.0 and GRAVITY not in loads:
         fail("begins with zero, where the specimen is already", "another value first", ("stage", 0, "to"))
-    return tuple(_resolved(stage, k, loads, placed, gauges) for k, stage in enumerate(stages))
+    resolved = tuple(_resolved(stage, k, loads, placed, gauges) for k, stage in enumerate(stages))
+    for k, stage in enumerate(resolved):
+        if stage.targets[0].of and not _loaded(stage, resolved[:k]):
+            names = ", ".join(name for name, _ in stage.ratios)
+            problem = f"begins with a share of a load that is zero there: no stage before drives {names}"
+            fail(f"{problem}{' in these ratios' * (len(stage.ratios) > 1)}", "a value first", ("stage", k, "to"))
+    return resolved
+
+
+def _loaded(stage: LoadingStage, before: Sequence[LoadingStage]) -> bool:
+    """Whether the load factor of a stage need not be zero where it begins."""
+    own = dict(stage.ratios)
+    if len(own) == 1:
+        return GRAVITY in own or any(own.keys() & dict(one.ratios).keys() for one in before)
+    latest = next((dict(one.ratios) for one in reversed(before) if own.keys() & dict(one.ratios).keys()), {})
+    return latest.keys() == own.keys() and len({round(latest[name] / own[name], 9) for name in own}) == 1
 
 
 def _only(names: Sequence[str], unnamed: str) -> str | None:
