@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.case.programme import GRAVITY, LoadingStage, StageTarget
+from fissura.case.programme import GRAVITY, StageTarget
+from fissura.case.stages import LoadingStage
 from fissura.equilibrium import Equilibrium, Leg, UnmovedGaugeError
 from fissura.equilibrium.krylov import dot
 from fissura.errors import InputError

@@ -8,7 +8,7 @@ from typing import Any
 
 from fissura.case.load import case_from_dict
 from fissura.case.model import Case
-from fissura.case.programme import LoadingStage
+from fissura.case.stages import LoadingStage
 from fissura.case.units import show
 from fissura.errors import InputError
 

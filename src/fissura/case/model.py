@@ -23,10 +23,11 @@ from fissura.case.materials import MaterialRegion
 from fissura.case.part import Part
 from fissura.case.place import Notch, Patch
 from fissura.case.platen import PlatenOfLoad, PlatenOfSupport
-from fissura.case.programme import GRAVITY, Control, Gravity, LoadingStage, Stage, resolved_stages
+from fissura.case.programme import GRAVITY, Control, Gravity, Stage
 from fissura.case.ranges import LONGEST, unless
 from fissura.case.region import BallRegion, BoxRegion
 from fissura.case.shape import Specimen, Voids
+from fissura.case.stages import LoadingStage, resolved_stages
 from fissura.case.types import (
     Count,
     Direction,
