@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
+from fissura.case.accepted import accepting, one_or_list
 from fissura.case.types import Length, Point, fail, list_of, listed
 from fissura.case.units import LENGTH, show, to_si
 
@@ -35,6 +36,7 @@ def _new_surface(value: Any) -> str:
     return _surface(value)
 
 
+@accepting(one_or_list)
 def _surfaces(value: Any) -> Any:
     """Take one name where several may stand as a list of one."""
     value = listed(value)

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from fissura.case.accepted import accepting
 from fissura.case.part import Part
 from fissura.case.types import fail
 from fissura.case.units import show
@@ -28,6 +29,7 @@ class GuidedPlaten(Platen):
     turning: Literal["free", "hinged", "held"] = Field(default="free", description='"free", "hinged" or "held"')
 
 
+@accepting(lambda inner: {"anyOf": [{"enum": list(_CONTACTS)}, inner]})
 def _named(value: Any) -> Any:
     """A platen given by its contact alone."""
     if not isinstance(value, str):

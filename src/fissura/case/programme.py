@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
+from fissura.case.accepted import NUMBER_WITH_UNIT, accepting, one_or_list
 from fissura.case.part import Part
 from fissura.case.ranges import ACCELERATIONS, COORDINATES, DENSITIES, FORCES, POSITIVE, derived, quantity
 from fissura.case.types import Direction, Flag, Fraction, Iterations, Share, StepLength, Target, Tolerance, fail, listed
@@ -98,6 +99,7 @@ class StageTarget:
     of: Literal["", "load", "peak"] = ""
 
 
+@accepting(one_or_list)
 def _as_list(value: Any) -> Any:
     found = listed(value)
     return found if isinstance(found, list) else [found]
@@ -125,6 +127,7 @@ class Stage(Part):
 
     @field_validator("load", mode="before")
     @classmethod
+    @accepting(lambda _: {"anyOf": [{"type": "string"}, {"type": "object", "additionalProperties": NUMBER_WITH_UNIT}]})
     def _names_or_ratios(cls, value: Any) -> Any:
         allowed = "the name of a load, or ratios by name such as { left = 0.5, right = 0.5 }"
         if value is None or isinstance(value, str):
@@ -176,6 +179,7 @@ class Stage(Part):
 
     @field_validator("max_step", "first_step", "min_step", mode="before")
     @classmethod
+    @accepting(lambda _: {**NUMBER_WITH_UNIT, "description": 'a length such as "2 um", or under force a force'})
     def _step(cls, value: Any, info: ValidationInfo) -> Any:
         if value is None:
             return None

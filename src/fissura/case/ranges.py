@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import BeforeValidator, ValidationInfo
 from pydantic_core import PydanticCustomError
 
+from fissura.case.accepted import NUMBER_WITH_UNIT, accepting
 from fissura.case.report import fail
 from fissura.case.units import Dimension, show, to_si
 
@@ -113,6 +114,7 @@ def quantity(dimension: Dimension, allowed_range: Range, hint: str = "") -> Call
     """Validator of a number, or of a text with a unit, within a range; the hint is for those outside it."""
     allowed = f"{dimension.allowed}, {allowed_range.text}"
 
+    @accepting(lambda _: {**NUMBER_WITH_UNIT, "description": allowed})
     def validate(value: Any) -> float:
         if value is _WAITING:
             raise PydanticCustomError("waiting", "its default depends on a key that is wrong")
@@ -145,6 +147,7 @@ def derived(function: Callable[..., float], *keys: str) -> Callable[[dict[str, A
             return _WAITING
         return function(*(data[key] for key in keys))
 
+    vars(default)["follows"] = keys
     return default
 
 
@@ -178,4 +181,5 @@ def instead(key: str, function: Callable[[Any], float]) -> Callable[[dict[str, A
             return _WAITING
         return _MISSING if data[key] is None else function(data[key])
 
+    vars(default)["follows"] = (key,)
     return default

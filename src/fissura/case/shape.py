@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from fissura.case.accepted import NUMBER_WITH_UNIT, Schema, accepting
 from fissura.case.lengths import UNIT, NewSurface, Pair, in_unit
 from fissura.case.part import Part
 from fissura.case.region import require_volume
@@ -18,6 +19,10 @@ __all__ = ["Block", "Bore", "Corner", "Cylinder", "Outline", "Prism", "Specimen"
 
 #: Most entries of an outline; each of them becomes a cell or more.
 MOST_CORNERS = 2000
+
+
+_CORNER: Schema = {"type": "array", "items": NUMBER_WITH_UNIT, "minItems": 2, "maxItems": 2}
+"""A corner as a list of two lengths."""
 
 
 class Corner(Part):
@@ -37,6 +42,7 @@ class Corner(Part):
         return self
 
 
+@accepting(lambda inner: {**inner, "items": {"anyOf": [_CORNER, inner["items"]]}, "minItems": 3})
 def _corners(value: Any) -> Any:
     """Take a list of two lengths as a corner."""
     allowed = "a list of corners [x, y] and arcs { to = [x, y], radius = r }"
@@ -198,6 +204,7 @@ class Prism(Part):
         return self
 
 
+@accepting(lambda inner: {"anyOf": [{"type": "array", "items": {"anyOf": [_CORNER, {"type": "object"}]}}, inner]})
 def _prism(value: Any) -> Any:
     """Take a list of corners as an outline along z through everything."""
     return {"corners": value} if isinstance(listed(value), list) else value

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, ValidationInfo
 
 from fissura.bulk import bulk_law
+from fissura.case.accepted import NUMBER_WITH_UNIT, accepting, one_or_list
 from fissura.case.ranges import (
     BULK_MODULI,
     COORDINATES,
@@ -81,6 +82,7 @@ Axis = Literal["x", "y", "z"]
 LARGEST_INTEGER = 2**63 - 1
 
 
+@accepting(lambda inner: {**NUMBER_WITH_UNIT, "description": bulk_law().allowed})
 def _poisson(value: Any) -> float:
     law = bulk_law()
     least, most = law.range
@@ -96,6 +98,9 @@ def _poisson(value: Any) -> float:
 def _integer(smallest: int, largest: int = LARGEST_INTEGER) -> Callable[[Any], int]:
     allowed = f"a whole number, {smallest} " + ("or larger" if largest == LARGEST_INTEGER else f"to {largest}")
 
+    most = {} if largest == LARGEST_INTEGER else {"maximum": largest}
+
+    @accepting(lambda _: {"type": "integer", "minimum": smallest, **most, "description": allowed})
     def validate(value: Any) -> int:
         number = whole(value)
         if number is None:
@@ -143,6 +148,7 @@ def list_of(count: int, what: str) -> Callable[[Any], Any]:
     return validate
 
 
+@accepting(lambda inner: {**inner, "prefixItems": 3 * [NUMBER_WITH_UNIT]})
 def _unit_vector(value: Any) -> tuple[float, float, float]:
     numbers = [to_si_or_fail(item) for item in list_of(3, "numbers")(value)]
     if abs(math.hypot(*numbers) - 1.0) < 8e-16:  # a case read again from what it resolved is the same, bit for bit
@@ -181,6 +187,7 @@ def _file(value: Any, info: ValidationInfo) -> Path:
     return path.resolve()
 
 
+@accepting(one_or_list)
 def _one_or_three(value: Any) -> Any:
     """Take one correlation length where three may stand as a list of one."""
     value = listed(value)
@@ -191,6 +198,7 @@ def _one_or_three(value: Any) -> Any:
     return value
 
 
+@accepting(lambda inner: {**inner, "items": NUMBER_WITH_UNIT})
 def _gaussian(value: Any) -> tuple[float, ...]:
     """Values of standard Gaussian variables."""
     allowed = "a list of numbers such as [0.3, -1.2], each from -10 to 10"
@@ -208,6 +216,7 @@ def _gaussian(value: Any) -> tuple[float, ...]:
     return tuple(found)
 
 
+@accepting(one_or_list)
 def as_tuple(value: Any) -> Any:
     """Take one table where a list of tables is due as a list of one."""
     return (value,) if isinstance(value, dict) else value

@@ -1,4 +1,4 @@
-"""Commands about one case: ``fissura run``, ``check`` and ``new``."""
+"""Commands about one case: ``fissura run``, ``check`` and ``new``, and ``schema`` of all cases."""
 
 from __future__ import annotations
 
@@ -18,7 +18,12 @@ from fissura.interrupts import interruptible
 if TYPE_CHECKING:
     from fissura.simulation import Simulation
 
-__all__ = ["check", "new", "run"]
+__all__ = ["check", "new", "run", "schema"]
+
+#: What TOML editors look for in the first line of a case, and what to do for it.
+_HEAD = """\
+#:schema ./fissura.schema.json
+# Editors complete and check keys by this file, which is written by: fissura schema > fissura.schema.json"""
 
 
 def run(
@@ -100,4 +105,15 @@ def new(
             problem = f"{template!r} is not known" if template else "missing"
             raise InputError("template", problem, ", ".join(sorted(known)))
         else:
+            typer.echo(_HEAD)
             typer.echo(known[template].read_text(encoding="utf-8"), nl=False)
+
+
+def schema() -> None:
+    """Print the JSON schema of case files, for editors: fissura schema > fissura.schema.json."""
+    with errors():
+        import json
+
+        from fissura.case.schema import case_schema
+
+        typer.echo(json.dumps(case_schema(), indent=1))
