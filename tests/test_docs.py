@@ -1,11 +1,29 @@
-"""The documentation: every page is in the navigation of the site, every public name in the reference."""
+"""The documentation: navigation and reference of the site are complete, and the tutorial prints what it says."""
 
+from __future__ import annotations
+
+import importlib
 import re
+from importlib.resources import files
 from pathlib import Path
+from types import ModuleType
+
+import pytest
 
 import fissura
 
 ROOT = Path(__file__).parents[1]
+
+
+def page(name: str) -> str:
+    return (ROOT / "docs" / name).read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def tutorial(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """The script that runs pages."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    return importlib.import_module("tutorial")
 
 
 def test_every_page_is_in_the_navigation() -> None:
@@ -13,8 +31,32 @@ def test_every_page_is_in_the_navigation() -> None:
     assert len(named) == len(set(named))
     pages = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
     assert set(named) == pages | {"changelog.md"}  # the changelog of the repository; docs/site/hooks.py brings it in
+    linked = set(re.findall(r"^\| \[(\S+\.md)\]", page("index.md"), re.MULTILINE))
+    assert linked == pages - {"index.md"}
 
 
 def test_every_public_name_is_in_the_reference() -> None:
-    shown = set(re.findall(r"^::: (\S+)$", (ROOT / "docs" / "api.md").read_text(encoding="utf-8"), re.MULTILINE))
+    shown = set(re.findall(r"^::: (\S+)$", page("api.md"), re.MULTILINE))
     assert {f"fissura.{name}" for name in fissura.__all__ if name != "__version__"} <= shown
+
+
+def test_the_tutorial_changes_lines_that_are_there(tutorial: ModuleType, tmp_path: Path) -> None:
+    text = (files("fissura") / "templates" / "beam.toml").read_text(encoding="utf-8")
+    (change,) = [block for block in tutorial.blocks(page("tutorial.md")) if block.language == "diff"]
+    (tmp_path / change.title).write_text(tutorial.changed(text, change.text), encoding="utf-8")
+    case = fissura.load_case(tmp_path / change.title)
+    assert case.specimen.size == (0.7, 0.2, 0.05)
+    assert [support.at for support in case.supports] == [0.1, 0.6]
+    with pytest.raises(ValueError, match="0 times"):
+        tutorial.changed(text, "-no such line\n+another")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["index.md", "tutorial.md"])
+def test_pages_run_and_print_what_they_say(name: str, tutorial: ModuleType, tmp_path: Path) -> None:
+    """All commands, changes of files and Python, one after another; rows of times and memory aside."""
+    text = page(name)
+    assert tutorial.differences(text, tutorial.worked(text, tmp_path)) == []
+    if name == "tutorial.md":
+        assert all((tmp_path / source).is_file() for source in tutorial.PICTURES.values())
+        assert all(f"images/{picture}" in text for picture in tutorial.PICTURES)
