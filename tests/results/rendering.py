@@ -1,16 +1,13 @@
-"""Whether views can be rendered without a screen: a machine without OpenGL may end the process that tries."""
+"""Tests that draw in three dimensions."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from functools import cache
+from importlib.util import find_spec
 
-TRIAL = "import pyvista as pv; p = pv.Plotter(off_screen=True); p.add_mesh(pv.Sphere()); p.screenshot(return_img=True)"
+import pytest
 
+from fissura.results.pyvista_tools import can_render
 
-@cache
-def can_render() -> bool:
-    """Try it in a process of its own."""
-    done = subprocess.run([sys.executable, "-c", TRIAL], capture_output=True, timeout=120, check=False)
-    return done.returncode == 0
+needs_rendering = pytest.mark.skipif(
+    find_spec("pyvista") is None or not can_render(), reason="PyVista is missing, or nothing can be drawn here"
+)

@@ -16,7 +16,7 @@ from fissura.results.result_view import result_view, skin_of
 from fissura.results.vtk import write_snapshot
 
 from .pictured import SIZE, coarse_and_fine
-from .rendering import can_render
+from .rendering import needs_rendering
 from .synthetic import simulation, snapshot, step
 
 pyvista = pytest.importorskip("pyvista")
@@ -61,6 +61,7 @@ def test_meshes_are_the_structure(result: Result, shot: Any) -> None:
     assert area == pytest.approx(t.contacts.area[open_].sum(), rel=1e-6)
 
 
+@needs_rendering
 def test_nothing_has_cracked(shot: Any) -> None:
     whole = snapshot(shot.tessellation)
     recorder = Recorder(simulation(), None)
@@ -100,6 +101,7 @@ def test_skin_is_the_surface(result: Result, shot: Any) -> None:
     np.testing.assert_array_equal(np.unique(skin.cell_data["body"]), np.unique(faces.body))
 
 
+@needs_rendering
 def test_view(result: Result) -> None:
     view = result_view(result, off_screen=True)
     try:
@@ -115,6 +117,7 @@ def test_view(result: Result) -> None:
         view.close()
 
 
+@needs_rendering
 def test_show_needs_a_screen_or_a_picture(result: Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(pyvista_tools, "can_open_windows", lambda: False)
     with pytest.raises(InputError, match="no screen to open a window on"):
@@ -124,10 +127,9 @@ def test_show_needs_a_screen_or_a_picture(result: Result, monkeypatch: pytest.Mo
     assert not list(tmp_path.iterdir())
 
 
+@needs_rendering
 @pytest.mark.slow
 def test_a_picture(result: Result, tmp_path: Path) -> None:
-    if not can_render():
-        pytest.skip("nothing can be rendered here")
     result.show(output=tmp_path / "view.png")
     with Image.open(tmp_path / "view.png") as picture:
         assert picture.size == pyvista_tools.WINDOW

@@ -18,7 +18,7 @@ from fissura.results.specimen_picture import Sight
 from fissura.results.specimen_view import specimen_view
 from fissura.simulation import Simulation
 
-from .rendering import can_render
+from .rendering import needs_rendering
 
 runner = CliRunner()
 
@@ -60,6 +60,18 @@ def test_without_a_screen(beam: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "--output: beam.pdf: views are written as .png only" in wrong.stderr
 
 
+def test_where_nothing_can_be_drawn(small_case: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The drivers of which there are none are asked in a process of their own, which they end."""
+    pytest.importorskip("pyvista")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(pyvista_tools, "can_render", pyvista_tools.can_render.__wrapped__)
+    monkeypatch.setattr(pyvista_tools.sys, "platform", "linux")
+    monkeypatch.setattr(pyvista_tools, "_TRIAL", "import os; os.abort()")
+    with pytest.raises(InputError, match="cannot draw on this machine"):
+        specimen_view(Simulation(small_case()), off_screen=True)
+
+
 def test_polygons_as_a_mesh() -> None:
     pytest.importorskip("pyvista")
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [2, 0, 1], [0, 2, 1]], float)
@@ -68,6 +80,7 @@ def test_polygons_as_a_mesh() -> None:
     assert polygon_mesh(points[:0], np.array([0])).n_cells == 0
 
 
+@needs_rendering
 def test_what_is_shown(small_case: Any) -> None:
     pv = pytest.importorskip("pyvista")
     simulation = Simulation(small_case(**PLATEN))
@@ -86,11 +99,9 @@ def test_what_is_shown(small_case: Any) -> None:
         view.close()
 
 
+@needs_rendering
 @pytest.mark.slow
 def test_a_picture_of_the_view(beam: Path) -> None:
-    pytest.importorskip("pyvista")
-    if not can_render():
-        pytest.skip("nothing can be rendered here")
     found = runner.invoke(app, ["show", "beam.toml", "--interactive", "--output", "view.png"])
     assert (found.exit_code, found.stdout) == (0, "picture: view.png\n")
     with Image.open("view.png") as picture:
@@ -100,11 +111,10 @@ def test_a_picture_of_the_view(beam: Path) -> None:
     assert bad.exit_code == 4
 
 
+@needs_rendering
 @pytest.mark.slow
 def test_words_of_users_are_no_mathematics(small_case: Any, tmp_path: Path) -> None:
     pytest.importorskip("pyvista")
-    if not can_render():
-        pytest.skip("nothing can be rendered here")
     pictures = []
     for name in ("$x$", "$y$"):
         screenshot(specimen_view(Simulation(small_case(name=name)), off_screen=True), tmp_path / "view.png")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ from fissura.results.pictures import INK
 
 __all__ = [
     "can_open_windows",
+    "can_render",
     "check_picture",
     "legend",
     "plotter",
@@ -38,6 +41,14 @@ WINDOW = (1100, 800)
 
 COLUMNS = 4
 """Columns of a legend."""
+
+_TRIAL = """
+import vtkmodules.vtkRenderingOpenGL2
+from vtkmodules.vtkRenderingCore import vtkRenderWindow
+window = vtkRenderWindow()
+window.SetOffScreenRendering(1)
+window.Render()
+"""
 
 
 def pyvista() -> Any:
@@ -59,6 +70,18 @@ def can_open_windows() -> bool:
     return not sys.platform.startswith("linux") or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 
+@cache
+def can_render() -> bool:
+    """Whether anything can be drawn: on a screen, or without one by EGL or OSMesa.
+
+    Where there is neither, drawing ends the process, so that another one tries first.
+    """
+    if can_open_windows():
+        return True
+    done = subprocess.run([sys.executable, "-c", _TRIAL], capture_output=True, timeout=120, check=False)
+    return done.returncode == 0
+
+
 def plotter(*, off_screen: bool | None = None) -> Any:
     """An empty view, white, with axes in a corner.
 
@@ -70,8 +93,12 @@ def plotter(*, off_screen: bool | None = None) -> Any:
     Raises
     ------
     InputError
-        PyVista is not installed.
+        PyVista is not installed, or nothing can be drawn here.
     """
+    pyvista()
+    if not can_render():
+        allowed = "a screen, or OpenGL without one: a package such as libegl1 or libosmesa6"
+        raise InputError("pyvista", "cannot draw on this machine", allowed)
     with _quiet():
         view = pyvista().Plotter(off_screen=off_screen, window_size=list(WINDOW), theme=_theme())
     view.add_axes(line_width=3, viewport=(0.0, 0.16, 0.14, 0.36))
