@@ -43,9 +43,12 @@ def corners_of(snapshot: Snapshot, chosen: NDArray[np.bool_]) -> tuple[list[Floa
     return [1e3 * polygons.points[polygons.offsets[k] : polygons.offsets[k + 1]] for k in shown], polygons.facet[shown]
 
 
-def crack(axes: Axes, snapshot: Snapshot, name: str, note: str) -> None:
-    """Opened facets seen along z, in the outline of the specimen."""
-    opening = snapshot.opening
+def crack(axes: Axes, snapshot: Snapshot, name: str, note: str, slab: float = np.inf) -> None:
+    """Opened facets seen along z, in the outline of the specimen; only those in a slab about its middle, if wanted."""
+    z = snapshot.tessellation.contacts.centroid[:, 2]
+    ends = snapshot.tessellation.surface.centroid[:, 2]
+    middle = 0.5 * (ends.max() + ends.min())
+    opening = np.where(np.abs(z - middle) <= 0.5 * slab, snapshot.opening, 0.0)
     shapes, facet = corners_of(snapshot, opening > SHOWN * opening.max())
     colours = HEAT(opening[facet] / opening.max())
     flat = [shape[:, :2] for shape in shapes]

@@ -283,7 +283,7 @@ SUPPORTS: dict[str, Callable[[Place, str], list[Functional | None]]] = {
 
 
 def _check_stability(supports: list[Functional], centre: FloatArray, size: float) -> None:
-    """The supports must stop all six rigid motions."""
+    """The supports, and what guides platens, must stop all six rigid motions."""
     rows = np.array(
         [
             np.concatenate(
@@ -324,8 +324,6 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
         rows = [row for row in kind(place, f"{key}.{part.naming}") if row is not None]
         supports += _on_platen(rows, place, part.platen, platens, f"{key}.platen")
         held.append(Held(place.centroid, len(rows), f"support_{k}"))
-    _check_stability(supports, domain.bounds.mean(axis=0), float(domain.size.max()))
-
     loads, pulls = [], []
     for load in case.named_loads:
         place = place_from_part(load.part, domain, l_f, load.key)
@@ -337,6 +335,7 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
             guides = _guides(place, direction, platen.turning, f"{load.key}.platen.turning")
             supports += [replace(row, platen=len(platens) - 1) for row in guides]
             held.append(Held(place.centroid, len(guides), f"platen_{load.name}"))
+    _check_stability(supports, domain.bounds.mean(axis=0), float(domain.size.max()))
     names = [load.name for load in case.named_loads]
     keys = [load.key for load in case.named_loads]
     weight = None
