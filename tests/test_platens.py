@@ -55,7 +55,7 @@ def test_patch(contact, full, seed):
     assert len(np.unique(system.tessellation.fine)) == (1 if full else 2)
     exact = -1e-6 / HEIGHT * system.geometry.frame[:, :, 1] * system.geometry.frame[:, 0, 1][:, None]
     share = state.load / (E * SIDE**2 * 1e-6 / HEIGHT)  # supports yield a little
-    assert share == pytest.approx(1.0, abs=1e-6)
+    assert share == pytest.approx(1.0, abs=1e-5)
     # Tractions, for contacts without friction may slip by round-off.
     moduli = E * np.where(np.arange(3) > 0, system.platens.share, 1.0)
     assert_allclose(state.response.traction, share * moduli * exact, atol=2e-8 * E * np.abs(exact).max())

@@ -295,12 +295,10 @@ class System:
         shares = np.bincount(entries.row, share**2, rows.shape[0])
         typical = self._stiffest * float(np.median(inner.area / inner.length))
         stiffness = _SUPPORT_STIFFNESS * typical / shares
-        # A platen resists with all of its contacts.
         platen = np.full(rows.shape[0], -1)
         platen[entries.row] = entries.col // 6 - n
         for k, own in enumerate(self.platens.contacts):
-            whole = float((self._elastic[own, 0] * contacts.area[own] / contacts.length[own]).sum())
-            stiffness[platen == k] = _SUPPORT_STIFFNESS * whole
+            stiffness[platen == k] = _SUPPORT_STIFFNESS * self._behind(own)
         return np.asarray(stiffness, dtype=np.float64)
 
     def _supports(self, rows: csr_array) -> tuple[csr_array, LowRank]:
@@ -310,13 +308,19 @@ class System:
         narrow = csr_array(scaled[held <= _NARROW])
         return csr_array(narrow.T @ narrow + self._anchors()), LowRank.of(csr_array(scaled[held > _NARROW]), 1.0)
 
+    def _behind(self, own: IntArray) -> float:
+        """Stiffness of the structure behind the contacts of a platen, roughly [N/m], however short these are.
+
+        That of short ones has no bounds: with it, reactions would be round-off of displacements.
+        """
+        return float((self._elastic[own, 0] * np.sqrt(self.platens.tessellation.contacts.area[own])).sum())
+
     def _anchors(self) -> csr_array:
         """A trace of stiffness that holds platens: solvers then treat them as they treat supports, which is last."""
         contacts = self.platens.tessellation.contacts
         stiffness = np.zeros((len(self.platens.tessellation), 6))
         for k, own in enumerate(self.platens.contacts, len(self.tessellation)):
-            whole = _ANCHOR * float((self._elastic[own, 0] * contacts.area[own] / contacts.length[own]).sum())
-            stiffness[k] = whole * np.repeat([1.0, contacts.area[own].sum()], 3)
+            stiffness[k] = _ANCHOR * self._behind(own) * np.repeat([1.0, contacts.area[own].sum()], 3)
         return csr_array(diags_array(stiffness.ravel()))
 
     def _spin(self) -> FloatArray:
