@@ -185,12 +185,12 @@ def drawn(folder: Path, runs: dict[str, Done]) -> None:
     """Two pictures: curves, and cracks of both kinds of platens."""
     told = {
         PRESSED[0]: ("Glued", "cones below the platens stay whole"),
-        PRESSED[1]: ("Without friction", "splits along the load"),
+        PRESSED[1]: ("Without friction", "cracked from platen to platen"),
         PULLED[0]: ("Fixed", "both notches open alike"),
         PULLED[1]: ("Hinged", "one notch opens, the platen turns"),
     }
     for file, names, title in (
-        ("platens_pressed.png", PRESSED, "Cubes pressed to half of their strength"),
+        ("platens_pressed.png", PRESSED, "Cubes pressed until half of the load is left"),
         ("platens_pulled.png", PULLED, "Notched prisms pulled"),
     ):
         figure = Figure(figsize=(10.0, 3.9), layout="constrained")
