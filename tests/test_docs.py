@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import importlib
 import re
+import tomllib
 from importlib.resources import files
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
 import fissura
+from fissura.case import case_from_dict
+from fissura.specimen import conditions_from_case, domain_from_case
 
 ROOT = Path(__file__).parents[1]
 
@@ -60,3 +64,24 @@ def test_pages_run_and_print_what_they_say(name: str, tutorial: ModuleType, tmp_
     if name == "tutorial.md":
         assert all((tmp_path / source).is_file() for source in tutorial.PICTURES.values())
         assert all(f"images/{picture}" in text for picture in tutorial.PICTURES)
+
+
+#: What a page's case leaves out, because it is about something else.
+REST = {
+    "specimen": {"size": [0.2, 0.2, 0.05]},
+    "supports": [{"type": "clamp", "face": "bottom"}],
+    "material": {"E": 60e9, "alpha": 0.29, "f_t": 2.2e6, "G_t": 35.0},
+    "discretization": {"l_f": 0.02},
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "more"), [("loading", {}), ("platens", {"control": {"type": "displacement", "target": 1e-4}})]
+)
+def test_cases_on_pages_are_cases(name: str, more: dict[str, Any]) -> None:
+    """The first one of a page, with what it leaves out."""
+    found = re.search(r"```toml\n(.*?)```", page(f"{name}.md"), flags=re.DOTALL)
+    assert found is not None
+    given = tomllib.loads(found[1])
+    assert set(given) - set(REST)
+    conditions_from_case(case := case_from_dict({**REST, **more, **given}), domain_from_case(case))
