@@ -82,10 +82,10 @@ def test_a_run_warns_beyond_its_tolerance(used, warns):
     run = simulation()
     run.case = run.case.model_copy(update={"adaptivity": run.case.adaptivity.model_copy(update={"tolerance": 0.01})})
     curve = columns([row(step(1, 1e-6, 10.0, max_elastic_utilisation=used), 0.0, 0.0)])
-    summary = build_summary(run, curve, status="finished", message="", cpu_s=1.0, wall_s=1.0)
+    summary = build_summary(run, curve, status="finished", message="", cpu_s=1.0, wall_s=1.0, memory=1e9)
     assert summary["load_error_bound"] == pytest.approx(load_error_bound(used, 6.0))
     assert any("adaptivity.tolerance" in text for text in summary["warnings"]) is warns
     run.full = True
-    whole = build_summary(run, curve, status="finished", message="", cpu_s=1.0, wall_s=1.0)
+    whole = build_summary(run, curve, status="finished", message="", cpu_s=1.0, wall_s=1.0, memory=1e9)
     assert whole["load_error_bound"] is None
     assert not math.isnan(whole["tolerance"])

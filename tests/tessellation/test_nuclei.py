@@ -288,7 +288,7 @@ def test_counts_in_check_and_summary(tmp_path, small_case):
     rows = dict(found.table())
     assert rows["nuclei from the file"] == f"{len(first[::2])}, and {found.bodies_full - len(first[::2])} added"
     simulation = Simulation(case)
-    summary = build_summary(simulation, columns([]), status="finished", message="", cpu_s=1.0, wall_s=1.0)
+    summary = build_summary(simulation, columns([]), status="finished", message="", cpu_s=1.0, wall_s=1.0, memory=1e9)
     assert summary["nuclei_given"] == len(first[::2])
     assert summary["nuclei_given"] + summary["nuclei_added"] == summary["bodies_full"] == simulation.bodies_full
     assert "nuclei from the file" not in dict(report(small_case(notch=None)).table())
