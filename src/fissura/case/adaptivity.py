@@ -23,8 +23,8 @@ class Level:
     Attributes
     ----------
     tolerance : float
-        Largest difference of the load from that of full resolution, over the peak load, in 95 % of the runs of the
-        study in `docs/adaptivity.md`, or less.
+        Largest difference of the load from that of full resolution, over the peak load, in 93 % or more of the
+        runs of the study in `docs/adaptivity.md`, or less.
     gamma : float
         As in a case.
     r_f : float
