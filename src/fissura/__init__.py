@@ -1,4 +1,4 @@
-"""Fissura breaks concrete on a computer: adaptive discrete models of fracture.
+"""Fissura simulates the fracture of concrete: adaptive discrete models.
 
 Public names are imported at first use, so that ``import fissura`` stays light.
 """

@@ -20,7 +20,7 @@ from fissura.cli.study import study
 __all__ = ["app", "main", "start_light"]
 
 app = typer.Typer(
-    help="Breaks concrete on a computer: adaptive discrete models of fracture.",
+    help="Simulates the fracture of concrete with adaptive discrete models.",
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
