@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -39,6 +40,9 @@ MARKERS = {"pin": "^", "roller": "o", "clamp": "s", "guide": "D"}
 
 BEHIND, BEFORE = 0.5, 1.5
 """Heights of platens on the far and on the near side of the specimen, which is at 1."""
+
+JOINED = 1e-6
+"""Distance in a picture up to which corners of polygons are the same [mm]."""
 
 HIDDEN = 0.35
 """Opacity of what lies on the far side."""
@@ -110,6 +114,22 @@ def plot_specimen(simulation: Simulation, path: str | Path, sight: Sight | None 
     save(figure, Path(path), dpi=110)
 
 
+def _whole(shapes: list[FloatArray], facet: NDArray[np.int64]) -> tuple[list[FloatArray], NDArray[np.int64]]:
+    """Polygons (k, 2) [mm] of each facet as one, and the facet: what divides them divides the specimen, and no body."""
+    groups: dict[int, list[FloatArray]] = {}
+    for shape, of in zip(shapes, facet.tolist(), strict=True):
+        groups.setdefault(of, []).append(shape)
+    found: list[FloatArray] = []
+    owner: list[int] = []
+    for of, group in groups.items():
+        if len(group) > 1:
+            whole = shapely.union_all([shapely.Polygon(shape) for shape in group], grid_size=JOINED)
+            group = [np.array(part.exterior.coords[:-1]) for part in shapely.get_parts(whole) if not part.is_empty]
+        found += group
+        owner += [of] * len(group)
+    return found, np.array(owner, dtype=np.int64)
+
+
 def _skin(axes: Axes, surface: SurfaceFacets, fine: NDArray[np.bool_], look: FloatArray) -> list[tuple[str, str]]:
     """Draw facets that face the eye, the farthest first; return the colours used, by what they mean."""
     polygons = surface.polygons
@@ -122,14 +142,11 @@ def _skin(axes: Axes, surface: SurfaceFacets, fine: NDArray[np.bool_], look: Flo
     notched = np.array([name == SURFACE for name in surface.names])[surface.surface]
     is_fine = fine[surface.body]
     base = np.where(notched[:, None], to_rgb(NOTCH), np.where(is_fine[:, None], to_rgb(FINE), to_rgb(COARSE)))
-    shade = base[facet[order]] * _light(surface.normal[facet[order]], look)[:, None]
+    shade = base * _light(surface.normal, look)[:, None]
+    seen, owner = _whole([1e3 * shapes[k] @ look[:2].T for k in order], facet[order])
+    colours = shade[owner]
     axes.add_collection(
-        PolyCollection(
-            [1e3 * shapes[k] @ look[:2].T for k in order],
-            facecolors=shade.tolist(),
-            edgecolors=(0.8 * shade).tolist(),
-            linewidths=0.4,
-        )
+        PolyCollection(seen, facecolors=colours.tolist(), edgecolors=(0.8 * colours).tolist(), linewidths=0.4)
     )
     entries = [("coarse body", COARSE)] if not is_fine.all() else []
     entries += [("fine body", FINE)] if is_fine.any() else []
