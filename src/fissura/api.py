@@ -131,7 +131,7 @@ def _begins_from(folder: Path, case: Case, *, full: bool) -> tuple[Case, Checkpo
     if found.full != full:
         kind = "at full resolution" if found.full else "adaptive"
         raise InputError("--full", f"the run in {folder} is {kind}", "the same, with --resume")
-    return continued(case, found.case, found.leg, finished=_is_finished(folder)), found
+    return continued(case, found.case, found.leg, found.begin, finished=_is_finished(folder)), found
 
 
 def _begun(simulation: Simulation, checkpoint: Checkpoint) -> Begun:

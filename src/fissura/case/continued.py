@@ -38,7 +38,7 @@ def as_data(case: Case) -> dict[str, Any]:
     return found
 
 
-def continued(case: Case, before: Mapping[str, Any], leg: int, *, finished: bool) -> Case:
+def continued(case: Case, before: Mapping[str, Any], leg: int, begin: float, *, finished: bool) -> Case:
     """The case with which a run goes on.
 
     Steps that ``[control]`` does not give are those of before, although they follow from a target that may have
@@ -54,6 +54,8 @@ def continued(case: Case, before: Mapping[str, Any], leg: int, *, finished: bool
     leg : int
         The way that the run is on, counted over the targets of all stages from 0, with gravity as the first one where
         there is any.
+    begin : float
+        Value of the controlled quantity where that way began [m or N]: it says which targets are farther.
     finished : bool
         The run has reached its end: a nearer target of ``[control]`` is that one.
 
@@ -79,7 +81,7 @@ def continued(case: Case, before: Mapping[str, Any], leg: int, *, finished: bool
             f"the case is not that of the run so far: {'; '.join(changes[:_TOLD])}{more}",
             "changes of name, output, solver.threads, and of where the run ends; without --resume, any",
         )
-    _check_ends(case if finished else given, earlier, stage, position)
+    _check_ends(case if finished else given, earlier, stage, position, begin)
     return case
 
 
@@ -98,7 +100,7 @@ def _place(case: Case, leg: int) -> tuple[int, int]:
     return len(case.stages) - 1, len(case.stages[-1].targets) - 1
 
 
-def _check_ends(case: Case, earlier: Case, stage: int, position: int) -> None:
+def _check_ends(case: Case, earlier: Case, stage: int, position: int, begin: float) -> None:
     """Refuse programmes that end otherwise than farther on."""
     if _driven(case.main) != _driven(earlier.main):
         raise InputError(
@@ -111,9 +113,8 @@ def _check_ends(case: Case, earlier: Case, stage: int, position: int) -> None:
     now, was = case.stages[stage], earlier.stages[stage]
     if len(now.targets) <= position or now.targets[:position] != was.targets[:position]:
         raise InputError(now.target_key, "targets that have been reached are not as they were", "further targets")
-    before = 0.0 if position == 0 or was.targets[position - 1].of else was.targets[position - 1].value
     old, new = was.targets[position], now.targets[position]
-    if old != new and (old.of or new.of or (new.value - old.value) * (old.value - before) < 0.0):
+    if old != new and (old.of or new.of or (new.value - old.value) * (old.value - begin) < 0.0):
         raise InputError(
             now.target_key,
             f"{show(new.value)} is not as far as {show(old.value)}, to which the run was on the way",
@@ -125,6 +126,10 @@ def _driven(stage: LoadingStage) -> tuple[Any, ...]:
     return stage.ratios, stage.quantity, stage.gauge
 
 
+def _are_tables(*lists: list[Any]) -> bool:
+    return all(isinstance(item, Mapping) for items in lists for item in items)
+
+
 def _changes(before: Any, now: Any, free: set[str], key: str = "") -> Iterator[str]:
     """Keys with different values, and these values."""
     if key in free or before == now:
@@ -132,8 +137,12 @@ def _changes(before: Any, now: Any, free: set[str], key: str = "") -> Iterator[s
     if isinstance(before, Mapping) and isinstance(now, Mapping):
         for name in dict.fromkeys((*before, *now)):
             yield from _changes(before.get(name), now.get(name), free, f"{key}.{name}" if key else name)
-    elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
-        for k, (old, new) in enumerate(zip(before, now, strict=True)):
+    elif isinstance(before, list) and isinstance(now, list) and (len(before) == len(now) or _are_tables(before, now)):
+        for k, (old, new) in enumerate(zip(before, now, strict=False)):
             yield from _changes(old, new, free, f"{key}[{k}]")
+        for k in range(len(now), len(before)):
+            yield f"{key}[{k}] is gone"
+        for k in range(len(before), len(now)):
+            yield f"{key}[{k}] is new"
     else:
         yield f"{key} was {show(before)} and is now {show(now)}"

@@ -75,6 +75,12 @@ class Checkpoint:
         return 0 if leg is None else leg.index
 
     @property
+    def begin(self) -> float:
+        """Value of the controlled quantity where that way began [m or N]."""
+        leg = self.state.state.leg
+        return 0.0 if leg is None else leg.begin
+
+    @property
     def steps(self) -> int:
         """Steps so far."""
         return len(self.curve["step"])
