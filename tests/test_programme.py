@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from conftest import small_beam
 from fissura.case import case_from_dict
+from fissura.check import report
 from fissura.equilibrium import settle
 from fissura.errors import InputError, RunStopped
 from fissura.simulation import Simulation
@@ -289,3 +290,18 @@ def test_a_load_factor_counts_on_within_its_stage():
     for name, before in (("a", 200.0), ("b", 0.0)):
         assert low.forces[name] - before == pytest.approx(0.1 * (steps[turn].forces[name] - before), rel=1e-9)
     assert steps[-1].gauge == 16e-6
+
+
+@pytest.mark.parametrize(
+    ("stages", "steps"),
+    [
+        ([{"to": [2e-5, 1e-5, 4e-5]}], ["101 or more"]),  # ways of 20, 10 and 30, steps of 0.6
+        ([{"to": 2e-5}, {"to": 2.4e-5, "max_step": 2e-7}], ["50 or more", "20 or more"]),
+        ([{"to": [2e-5, "50 % of load", 4e-5]}], ["61 or more"]),  # 50 steps, 10, and one at least
+        ([{"control": "force", "to": 20.0}, {"to": 2e-5}], ["20 or more", "each at most 0.4 µm"]),
+    ],
+)
+def test_check_counts_steps_from_where_a_stage_begins(stages, steps):
+    found = report(small_beam(control=None, stage=stages)).stages
+    for (_, told), expected in zip(found, steps, strict=True):
+        assert told.startswith(expected)

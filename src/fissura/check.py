@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from fissura.bulk import bulk_law
-from fissura.case import Case, Gravity, LoadingStage
+from fissura.case import Case, Gravity
 from fissura.errors import InputError, Notice
 from fissura.memory import estimate_memory, gigabytes, physical_memory, require_memory
+from fissura.stages_told import stages_in_words
 
 if TYPE_CHECKING:
     from fissura.material.field import RandomField
@@ -188,7 +189,7 @@ def report(case: Case) -> CheckReport:
         limits=limits,
         longest_contact=longest,
         weight=None if case.gravity is None else _weight(case.gravity, simulation.domain.volume),
-        stages=tuple(_stage(stage, energy) for stage in case.stages),
+        stages=stages_in_words(case, energy),
         warnings=tuple(warnings),
         contact=(case.material.E, case.material.alpha),
         macro=_macro(case),
@@ -224,37 +225,3 @@ def _macro(case: Case) -> tuple[float, float] | None:
         return bulk_law().macroscopic(case.material.E, case.material.alpha)
     except InputError:
         return None
-
-
-def _stage(stage: LoadingStage, energy: float) -> tuple[str, str]:
-    """Where a stage ends, and its steps, in words; with the energy that breaks the specimen, roughly [J]."""
-    from fissura.results.quantities import energy as joules  # its package brings NumPy
-    from fissura.results.quantities import force
-
-    quantity = {"gauge": "gauge", "displacement": "displacement of the load", "force": "load"}[stage.quantity]
-    if stage.gauge not in (None, "gauge") and stage.quantity == "gauge":
-        quantity = f"gauge {stage.gauge}"
-    if (loads := [name for name, _ in stage.ratios]) != ["load"] and stage.quantity != "gauge":
-        quantity = f"{quantity} ({', '.join(loads)})"
-    size = force if stage.quantity == "force" else lambda value: f"{value * 1e3:.4g} mm"
-    values = [f"{100 * t.value:g} % of the {t.of}" if t.of else size(t.value) for t in stage.targets]
-    told = ", ".join(values if len(values) <= _TOLD else [*values[: _TOLD - 2], "...", values[-1]])
-    load = f" or {100 * stage.stop_load:.3g} % of the peak load is left" if stage.stop_load else ""
-    step = force(stage.max_step) if stage.quantity == "force" else f"{stage.max_step * 1e6:.4g} µm"
-    largest = f"each at most {step}"
-    if stage.energy:
-        most = joules(energy * stage.max_step / max(abs(stage.target), 1e-300))
-        return (
-            f"dissipated energy, until the {quantity} is {told}{load}",
-            f"{largest}, with energy in the lead {most}",
-        )
-    if not stage.max_step:
-        least, part = (10, "tenth") if all(t.of and 0.0 <= t.value <= 1.0 for t in stage.targets) else (50, "fiftieth")
-        return f"{quantity}, to {told}", f"{least} or more, each at most a {part} of its way"
-    one = len(stage.targets) == 1 and stage.span
-    fewest = math.ceil(stage.span / stage.max_step * (1 - 1e-9)) if one else len(stage.targets)
-    return f"{quantity}, to {told}{load and ' or until' + load.removeprefix(' or')}", f"{fewest} or more, {largest}"
-
-
-#: Targets of a stage that are told one by one, at most.
-_TOLD = 6
