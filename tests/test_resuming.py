@@ -224,6 +224,11 @@ def test_a_programme_goes_on_with_further_stages(tmp_path, no_pictures):
         ([FIRST[0], {"load": "load", "to": [2e-5, 3e-5]}], "stage[1].to", "3e-05 is not as far as 1e-05"),
         ([FIRST[0], {"load": "load", "to": [2.5e-5, 1e-5, 3e-5]}], "stage[1].to", "targets that have been reached"),
         ([FIRST[0], {"load": "load", "to": [2e-5, 1.5e-5, 3e-5]}], "stage[1].to", "1.5e-05 is not as far as 1e-05"),
+        (
+            [FIRST[0], {"load": "load", "to": [2e-5, "5 % of load", 3e-5]}],
+            "stage[1].to",
+            "target 2, to which the run was",
+        ),
         ([FIRST[0], {**FIRST[1], "tolerance": 1e-3}], "--resume", "stage[1].tolerance was 0.0001 and is now 0.001"),
         ([{**FIRST[0], "to": 40.0}, FIRST[1]], "--resume", "stage[0].to"),
         ([*FIRST, {"load": "side", "control": "displacement", "to": 1e-5}], "--resume", "stage[2] drives or controls"),

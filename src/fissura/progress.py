@@ -118,7 +118,9 @@ class RunProgress(_Live):
         state = simulation.state
         if state is not None:
             self._done.peak = state.totals.peak
-            self.say(f"goes on after step {state.number}, {self._quantity} {length(state.now.value)}")
+            quantity = self._quantity if state.leg is None else state.leg.quantity  # that of the way it is on
+            value = f"load {force(state.now.value)}" if quantity == "force" else f"{quantity} {length(state.now.value)}"
+            self.say(f"goes on after step {state.number}, {value}")
         if self._bar is not None:
             self._bar.update(self._task, description="first step" if state is None else "next step")
 

@@ -9,12 +9,14 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import fissura.results.recorder
 from fissura.results import read_curve
+from fissura.results.quantities import force
 from sameness import assert_same
 
 from .fakes import TINY, call
@@ -40,6 +42,25 @@ def test_a_finished_run_is_left_alone_and_goes_on_to_a_larger_target(quick: Path
     assert done.exit_code == 0, done.stderr
     assert f"goes on after step {steps}, gauge 2.00 µm" in done.stderr
     assert read_curve("results/tiny")["gauge_m"][-1] == 3e-6
+
+
+def test_a_run_that_ended_under_a_force_tells_the_force(quick: Path) -> None:
+    data = tomllib.loads(TINY)
+    del data["control"]
+    data["stage"] = [{"to": ["2 um", "50 % of load"]}]
+    case = quick.with_suffix(".json")
+    case.write_text(json.dumps(data))
+    assert call("run", case, "--output", "staged").exit_code == 0
+    curve = read_curve("staged")
+    assert (
+        "has ended, and no stage leads farther: nothing was changed"
+        in call("run", case, "--output", "staged", "--resume").stderr
+    )
+    data["stage"][0]["to"].append("3 um")
+    case.write_text(json.dumps(data))
+    done = call("run", case, "--output", "staged", "--resume")
+    assert done.exit_code == 0, done.stderr
+    assert f"goes on after step {len(curve['step'])}, load {force(curve['load_N'][-1])}\n" in done.stderr
 
 
 def test_what_is_refused(quick: Path) -> None:

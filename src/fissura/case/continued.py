@@ -114,7 +114,13 @@ def _check_ends(case: Case, earlier: Case, stage: int, position: int, begin: flo
     if len(now.targets) <= position or now.targets[:position] != was.targets[:position]:
         raise InputError(now.target_key, "targets that have been reached are not as they were", "further targets")
     old, new = was.targets[position], now.targets[position]
-    if old != new and (old.of or new.of or (new.value - old.value) * (old.value - begin) < 0.0):
+    if old != new and (old.of or new.of):
+        raise InputError(
+            now.target_key,
+            f"target {position + 1}, to which the run was on the way, is a share of a load, or was one",
+            "the same, with --resume",
+        )
+    if (new.value - old.value) * (old.value - begin) < 0.0:
         raise InputError(
             now.target_key,
             f"{show(new.value)} is not as far as {show(old.value)}, to which the run was on the way",

@@ -71,7 +71,8 @@ def run(
             kept = f"kept in {folder}: {file_names(folder)}{go_on(folder)}" if folder.is_dir() else "nothing was kept"
             raise not_written(error, error.filename or f"a file in {folder}", kept) from None
         if not begun:
-            say(f"the run in {folder} has ended, and control.target is no larger: nothing was changed")
+            farther = "no stage leads farther" if result.case.stage else "control.target is no larger"
+            say(f"the run in {folder} has ended, and {farther}: nothing was changed")
         if not quiet:
             print_table([*result.table(), ("results", str(folder)), ("files", file_names(folder))])
 
