@@ -144,6 +144,20 @@ def test_a_refined_run_between_platens():
         assert abs(s.work + s.exchanged - s.stored - s.dissipated) < 1e-4 * s.work
 
 
+@pytest.mark.parametrize(("direction", "slides"), [([0, -1, 0], False), ([1, 0, 0], True)])
+def test_a_specimen_that_slides_on_a_platen_is_warned_of(direction, slides):
+    """Only the load across meets nothing."""
+    load = {"face": "top", "direction": direction, "platen": "glued"}
+    held = [{"type": "clamp", "face": "bottom", "platen": "frictionless"}]
+    simulation = Simulation(
+        prism(load=load, supports=held, control={"type": "displacement", "target": 1e-6}), full=True
+    )
+    list(simulation.steps())
+    assert [notice.key for notice in simulation.notices if "slides" in notice.problem] == (
+        ["supports[0].platen"] if slides else []
+    )
+
+
 @pytest.mark.parametrize(
     ("change", "key", "words"),
     [

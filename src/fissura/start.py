@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fissura.equilibrium import Equilibrium, SingularMatrixError, UnmovedGaugeError, settle
-from fissura.errors import InputError
+from fissura.equilibrium import Equilibrium, SingularMatrixError, System, UnmovedGaugeError, settle
+from fissura.errors import InputError, Notice
 from fissura.legs import check_drives
 from fissura.model import Model
 from fissura.specimen import backward_gauge
@@ -18,8 +19,13 @@ if TYPE_CHECKING:
 
 __all__ = ["started"]
 
+_log = logging.getLogger(__name__)
+
 #: Error of the initial stiffness that is accepted after calibration.
 _STIFFNESS_ERROR = 0.02
+
+#: Share of the elastic energy in the trace of friction of a platen from which on the specimen slides on it.
+_SLIDING = 0.2
 
 
 def _is_to_grow(case: Case) -> bool:
@@ -79,6 +85,27 @@ def started(model: Model, bodies: tuple[int, int]) -> State:
     start = Start(stiffness, 1.0 / used if used > 0.0 else np.inf, structure.compliance)
     nothing = np.zeros(len(system.conditions.load_names))
     rested, totals = Equilibrium(rest, 0.0, 0.0), Totals(nothing, nothing)
-    state = State(structure.layout, rested, start, totals, solver=model.solver.memory(system))
+    met = _sliding(system, unit)
+    for notice in met:
+        _log.warning(notice)
+    state = State(structure.layout, rested, start, totals, met=met, solver=model.solver.memory(system))
     model.end(state)
     return state
+
+
+def _sliding(system: System, unit: Equilibrium) -> tuple[Notice, ...]:
+    """What to say where the load meets nothing but the trace of friction under platens that have none."""
+    response, found = unit.response, []
+    each = 0.5 * system.geometry.volume[:, None] * response.traction * response.strain
+    for platen, own in zip(system.conditions.platens, system.platens.contacts, strict=True):
+        share = float(each[own, 1:].sum()) / float(each.sum())
+        if platen.contact == "frictionless" and share > _SLIDING:
+            found.append(
+                Notice(
+                    platen.key,
+                    f"the specimen slides on it: {share:.0%} of the elastic energy is in the trace of friction that a"
+                    " platen without friction has, and next to nothing resists the load",
+                    "a glued platen, or another support that the load presses against",
+                )
+            )
+    return tuple(found)

@@ -3,10 +3,10 @@
 import pytest
 
 from conftest import small_beam
-from fissura import check
 from fissura.case.plausible import case_notices
 from fissura.errors import InputError
 from fissura.simulation import Simulation
+from fissura.stages_told import stages_in_words
 
 A, B = {"face": "top", "at": 0.04}, {"face": "top", "at": 0.07}
 TWO = {"load": None, "loads": {"left": A, "right": B}}
@@ -101,15 +101,15 @@ def test_a_density_without_its_unit_looks_wrong():
     ("to", "keys", "steps"),
     [
         ("0 um", {}, "50 or more, each at most a fiftieth of its way"),
-        ("0 um", {"max_step": "5 um"}, "1 or more, each at most 5 µm"),
+        ("0 um", {"max_step": "5 um"}, "4 or more, each at most 5 µm"),
         ("5 % of load", {}, "10 or more, each at most a tenth of its way"),
-        (["5 % of load", "30 um"], {}, "2 or more, each at most 0.6 µm"),
+        (["5 % of load", "30 um"], {}, "11 or more, each at most 0.6 µm"),
     ],
 )
 def test_ways_that_are_known_when_they_begin(to, keys, steps):
     """Unloading in a stage of its own."""
     case = programme(stage(), {"to": to} | keys)
-    assert check._stage(case.stages[1], 1.0)[1] == steps
+    assert stages_in_words(case, 1.0)[1][1] == steps
 
 
 def test_unloading_in_a_stage_of_its_own():

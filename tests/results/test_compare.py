@@ -62,6 +62,8 @@ def test_table_tells_both_values():
     assert table["peak load"] == "190 N against 200 N (-5.00 %)"
     assert table["largest load difference"] == "5.00 % of the peak, at 20.0 µm"
     assert table["processor time"] == "1.00 s against 3.00 s: 3.00 times faster"
+    turned = dict(compare_results(run([2e-5], [200.0], cpu=3.0), run([2e-5], [190.0])).table())
+    assert turned["processor time"] == "3.00 s against 1.00 s: 3.00 times slower"
 
 
 def turning(factor=1.0, keep=6, **changes):

@@ -105,6 +105,10 @@ class Comparison:
         why = f"; the {NAMES[self.quantity]} turns back" if self.by_energy else ""
         bodies = [text.count(float(r.curve["bodies"][-1])) for r in (self.a, self.b)]
         seconds = [text.seconds(float(r.curve["cpu_s"][-1])) for r in (self.a, self.b)]
+        slower = 0.0 < self.cpu_ratio < 1.0
+        faster = (
+            f"{text.ratio(1.0 / self.cpu_ratio if slower else self.cpu_ratio)} times {'slower' if slower else 'faster'}"
+        )
         return [
             (f"common {self.over} range", f"{start} to {end}{why}"),
             (
@@ -129,7 +133,7 @@ class Comparison:
             ("bodies at the end", f"{bodies[0]} against {bodies[1]}"),
             (
                 "processor time",
-                f"{seconds[0]} against {seconds[1]}: {text.ratio(self.cpu_ratio)} times faster",
+                f"{seconds[0]} against {seconds[1]}: {faster}",
             ),
         ]
 
