@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from fissura.case.programme import GRAVITY, StageTarget
 from fissura.case.stages import LoadingStage
-from fissura.equilibrium import Equilibrium, Leg, UnmovedGaugeError
-from fissura.equilibrium.krylov import dot
+from fissura.equilibrium import Equilibrium, Leg, UnmovedGaugeError, reach_of
 from fissura.errors import InputError
 from fissura.specimen import Drive
 from fissura.structure import Driven
@@ -237,9 +236,7 @@ def _elastic(system: System, state: State) -> tuple[float, float]:
     """
     history = state.now.response.history
     unit = system.prepared.solve(history)
-    reach = 1.0 if system.by_force else dot(system.control, unit)
-    if not system.by_force and abs(reach) <= 1e-9 * float(np.abs(system.control * unit).sum()):
-        raise UnmovedGaugeError("the load does not move the controlled quantity")
+    reach = 1.0 if system.by_force else reach_of(system.control, unit)
     if state.leg is not None or system.dead is not None:
         return np.copysign(1.0, reach), np.inf
     used = system.largest_utilisation(system.response(unit, history))
@@ -276,16 +273,16 @@ def check_drives(model: Model) -> None:
             continue
         if key not in units:
             units[key] = system.symmetric.solve(np.asarray(drive.ratios @ system.acting.load_rows))
-        unit = units[key]
-        control = system.driven(drive, np.zeros(len(drive.ratios))).control
-        if abs(dot(control, unit)) <= 1e-9 * float(np.abs(control * unit).sum()):
+        try:
+            reach = reach_of(system.driven(drive, np.zeros(len(drive.ratios))).control, units[key])
+        except UnmovedGaugeError as error:
             raise InputError(
                 f"{planned.stage.key}.{'gauge' if drive.quantity == 'gauge' else 'load'}",
-                "the load does not move the controlled quantity: nothing changes there however large the load is",
+                f"{error}: nothing changes there however large the load is",
                 "places that the load moves apart",
-            )
+            ) from error
         from_rest = planned is model.legs[0] and len(model.case.stages) > 1
-        if from_rest and planned.target.value * dot(control, unit) < 0.0 < planned.target.value:
+        if from_rest and planned.target.value * reach < 0.0 < planned.target.value:
             raise InputError(
                 f"{planned.stage.key}.gauge",
                 "the gauge gets smaller under the load, so it could only grow to its target under a negative load",

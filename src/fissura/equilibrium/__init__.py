@@ -8,7 +8,7 @@ from fissura.equilibrium.direct import SOLVERS, best_solver
 from fissura.equilibrium.leg import Leg
 from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
 from fissura.equilibrium.memory import SecantMemory, SolverMemory
-from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, settle
+from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, reach_of, settle
 from fissura.equilibrium.path import Goal, Leading, PathFollower
 from fissura.equilibrium.places import check_places
 from fissura.equilibrium.steps import StepLength
@@ -38,5 +38,6 @@ __all__ = [
     "check_places",
     "dissipating",
     "prescribed",
+    "reach_of",
     "settle",
 ]

@@ -22,7 +22,7 @@ from fissura.equilibrium.memory import SolverMemory
 from fissura.equilibrium.system import Response, System
 from fissura.equilibrium.tangent import TangentSolver
 
-__all__ = ["Equilibrium", "Norms", "StepSolver", "settle"]
+__all__ = ["Equilibrium", "Norms", "StepSolver", "reach_of", "settle"]
 
 FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
@@ -114,6 +114,20 @@ class _Trial:
     energy: float = np.inf
 
 
+def reach_of(control: FloatArray, unit: FloatArray) -> float:
+    """Controlled quantity per unit load, from its coefficients and the displacements under the unit load, (6 n,) each.
+
+    Raises
+    ------
+    UnmovedGaugeError
+        The load does not move it, but for round-off.
+    """
+    reach = dot(control, unit)
+    if not np.isfinite(reach) or abs(reach) <= _UNMOVED * float(np.abs(control * unit).sum()):
+        raise UnmovedGaugeError("the load does not move the controlled quantity")
+    return reach
+
+
 def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
     """Solution with the damage that is there: the controlled quantity takes the given value, other loads are kept.
 
@@ -133,9 +147,7 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
         dead = None if system.dead is None else system.prepared.dead(history)
         reach, missing = 1.0, value
         if not system.by_force:
-            reach = dot(system.control, unit)
-            if not np.isfinite(reach) or abs(reach) <= _UNMOVED * float(np.abs(system.control * unit).sum()):
-                raise UnmovedGaugeError("the load does not move the controlled quantity")
+            reach = reach_of(system.control, unit)
             missing = value if dead is None else value - dot(system.control, dead)
         load = missing / reach
         u = unit * load if dead is None else unit * load + dead
