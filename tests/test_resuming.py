@@ -13,41 +13,15 @@ import fissura
 from conftest import small_beam
 from fissura.case.continued import as_data, continued
 from fissura.errors import InputError, RunStopped
+from remembered import REMEMBERED
 from sameness import assert_same, rows, summary
 
-#: Cases of which each has something else that must be remembered.
+#: What must be remembered, some of it in smaller specimens or shorter runs, for these write files.
 CASES = {
-    "refinement": {"adaptivity__r_f": 0.012},
+    **REMEMBERED,
     "full resolution": {"discretization__l_f": 0.012, "discretization__l_c": 0.03},
-    "coarsening": {
-        "material__G_t": 4.0,
-        "discretization__l_f": 0.006,
-        "discretization__l_c": 0.02,
-        "adaptivity__r_f": 0.05,
-        "adaptivity__coarsen": True,
-        "adaptivity__gamma_coarse": 0.7,
-        "control__stop_load": 0.2,
-    },
-    "field": {"field": {"length": 0.03}, "adaptivity__r_f": 0.012, "control__target": 5e-5},
-    "energy": {"control__type": "dissipation", "control__stop_load": 0.3, "material__G_t": 8.0},
-    "stages": {
-        "control": None,
-        "gravity": {"density": 2400.0},
-        "loads": {"side": {"face": "right", "at": 0.03, "along": "y"}},
-        "stage": [
-            {"load": "side", "control": "force", "to": 50.0},
-            {"load": "load", "to": [2e-5, "10 % of load", 4e-5, "50 % of peak"]},
-            {"load": "load", "to": 5e-5},
-        ],
-        "adaptivity__r_f": 0.012,
-    },
-    "platens": {
-        "load": {"face": "top", "at": 0.06, "width": 0.01, "platen": {"contact": "frictionless", "turning": "hinged"}},
-        "supports__0__width": 0.01,
-        "supports__0__platen": "glued",
-        "adaptivity__r_f": 0.012,
-    },
-    "two levels": {"adaptivity__r_f": 0.012, "solver__linear": "two-level", "output__vtk": 0},
+    "field": {**REMEMBERED["field"], "control__target": 5e-5},
+    "two levels": {**REMEMBERED["two levels"], "output__vtk": 0},
 }
 
 

@@ -10,42 +10,7 @@ import fissura
 from conftest import small_beam
 from fissura.advance import advance
 from fissura.simulation import Simulation
-
-#: Cases of which each has something else that must be remembered.
-CASES = {
-    "refinement": {"adaptivity__r_f": 0.012},
-    "full resolution": {},
-    "coarsening": {
-        "material__G_t": 4.0,
-        "discretization__l_f": 0.006,
-        "discretization__l_c": 0.02,
-        "adaptivity__r_f": 0.05,
-        "adaptivity__coarsen": True,
-        "adaptivity__gamma_coarse": 0.7,
-        "control__stop_load": 0.2,
-    },
-    "field": {"field": {"length": 0.03}, "adaptivity__r_f": 0.012},
-    "energy": {"control__type": "dissipation", "control__stop_load": 0.3, "material__G_t": 8.0},
-    "stages": {
-        "control": None,
-        "gravity": {"density": 2400.0},
-        "loads": {"side": {"face": "right", "at": 0.03, "along": "y"}},
-        "stage": [
-            {"load": "side", "control": "force", "to": 50.0},
-            {"load": "load", "to": [2e-5, "10 % of load", 4e-5, "50 % of peak"]},
-            {"load": "load", "to": 5e-5},
-        ],
-        "adaptivity__r_f": 0.012,
-    },
-    "platens": {
-        "load": {"face": "top", "at": 0.06, "width": 0.01, "platen": {"contact": "frictionless", "turning": "hinged"}},
-        "supports__0__width": 0.01,
-        "supports__0__platen": "glued",
-        "adaptivity__r_f": 0.012,
-    },
-    "two levels": {"adaptivity__r_f": 0.012, "solver__linear": "two-level"},
-    "closing": {"material__law": "cusatis-cedolin-closing"},
-}
+from remembered import REMEMBERED
 
 
 def bits(step):
@@ -62,12 +27,12 @@ def bits(step):
 @cache
 def undisturbed(name):
     """A run: itself, and its states and steps."""
-    simulation = Simulation(small_beam(**CASES[name]), full=name == "full resolution")
+    simulation = Simulation(small_beam(**REMEMBERED[name]), full=name == "full resolution")
     pairs = [(simulation.state, step) for step in simulation.steps()]
     return simulation, [state for state, _ in pairs], [step for _, step in pairs]
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", REMEMBERED)
 def test_every_state_is_followed_by_the_same_step(name):
     simulation, states, steps = undisturbed(name)
     model = simulation.model
@@ -77,7 +42,7 @@ def test_every_state_is_followed_by_the_same_step(name):
         assert bits(step) == bits(steps[k + 1])
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", REMEMBERED)
 def test_another_simulation_goes_on_from_a_state(name):
     simulation, states, steps = undisturbed(name)
     other = Simulation(simulation.case, full=simulation.full)

@@ -7,7 +7,7 @@ import numpy as np
 from fissura.adaptivity import RefinedRegion
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
-from fissura.equilibrium import System
+from fissura.equilibrium import Leg, System
 from fissura.material import Material
 from fissura.specimen import Domain, conditions_from_case, domain_from_case
 from fissura.specimen.cutting import cut_notches
@@ -119,3 +119,10 @@ def affine(tessellation, gradient):
     u = np.zeros((len(tessellation), 6))
     u[:, :3] = tessellation.x @ gradient.T
     return u
+
+
+def simple_leg(stage):
+    """The leg from rest to the last target of a stage, without other loads."""
+    end, steps = stage.target, (stage.max_step, stage.first_step, stage.min_step)
+    share = stage.max_step / abs(end) if stage.energy_step is None else stage.energy_step
+    return Leg(0, stage.quantity, np.zeros(1), 0.0, end, 0.0, 1.0, *steps, share)

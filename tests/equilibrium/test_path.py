@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from equilibrium.models import BEAM, changed
+from equilibrium.models import BEAM, changed, simple_leg
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
-from fissura.equilibrium import Leg, PathFollower, System
+from fissura.equilibrium import PathFollower, System
 from fissura.errors import RunStopped
 from fissura.material import Material
 from fissura.simulation import Simulation
@@ -25,7 +25,7 @@ ENERGY = 1.0  # hence at most 0.02 J a step
 
 def follower(**changes):
     (stage,) = case_from_dict(changed(BEAM, {"control": {"target": 1e-4, "max_step": 2e-6, **changes}}), Path()).stages
-    return PathFollower(replace(Leg.simple(stage), quantity="gauge"), stage, ENERGY)
+    return PathFollower(replace(simple_leg(stage), quantity="gauge"), stage, ENERGY)
 
 
 def state(value, load=1.0, iterations=1):
@@ -166,7 +166,7 @@ def test_ends():
 def test_a_load_that_passes_through_zero_beside_others_ends_nothing():
     (stage,) = case_from_dict(BEAM, Path()).stages
     for kept, ends in ((np.zeros(2), True), (np.array([5.0, 0.0]), False)):
-        path = PathFollower(replace(Leg.simple(stage), kept=kept), stage, ENERGY)
+        path = PathFollower(replace(simple_leg(stage), kept=kept), stage, ENERGY)
         succeeded(path, 1, 1e-5, 5e-2, 1e-5)
         assert path.failed(1.0)
         assert path.goal(1e-5).in_energy
@@ -178,7 +178,7 @@ def test_a_load_that_passes_through_zero_beside_others_ends_nothing():
 
 def leg(begin, end, load=0.0, **changes):
     (stage,) = case_from_dict(changed(BEAM, {"control": {"target": 1e-4, "max_step": 2e-6, **changes}}), Path()).stages
-    return PathFollower(replace(Leg.simple(stage), begin=begin, end=end, load=load), stage, ENERGY)
+    return PathFollower(replace(simple_leg(stage), begin=begin, end=end, load=load), stage, ENERGY)
 
 
 @pytest.mark.parametrize(("begin", "end"), [(4e-5, 1e-5), (1e-5, 4e-5), (2e-5, -2e-5), (0.0, -3e-5)])
@@ -206,7 +206,7 @@ def test_energy_cannot_lead_while_a_leg_unloads():
 
 def test_steps_under_force_are_no_jumps_and_energy_does_not_take_over():
     (stage,) = case_from_dict(changed(BEAM, {"control": {"target": 1e-4, "max_step": 2e-6}}), Path()).stages
-    path = PathFollower(replace(Leg.simple(stage), quantity="force"), stage, ENERGY)
+    path = PathFollower(replace(simple_leg(stage), quantity="force"), stage, ENERGY)
     while path.failed(1.0):
         assert path.goal(0.0).control == "force"
 

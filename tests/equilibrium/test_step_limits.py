@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from equilibrium.models import beam
-from fissura.equilibrium import Goal, Leg, PathFollower, System
+from equilibrium.models import beam, simple_leg
+from fissura.equilibrium import Goal, PathFollower, System
 from fissura.equilibrium.newton import settle
 from fissura.structure import Structure
 
@@ -15,7 +15,7 @@ LONG = {"target": 1e-2}  # steps of 200 um at most, 50 um at first, 0.1 um at le
 
 def follower(limit=np.inf, **changes):
     (stage,) = beam(control={**LONG, **changes}).stages
-    return PathFollower(Leg.simple(stage), stage, 1.0, limit)
+    return PathFollower(simple_leg(stage), stage, 1.0, limit)
 
 
 def state(value, load):

@@ -261,11 +261,22 @@ class Case(Part):
         """All gauges; that of the table ``[gauge]`` is called "gauge"."""
         return _named("gauge", self.gauge, self.gauges)
 
+    @property
+    def load_names(self) -> list[str]:
+        """Names of all loads, that of the weight last."""
+        return [load.name for load in self.named_loads] + ([] if self.gravity is None else [GRAVITY])
+
+    @property
+    def held_names(self) -> list[str]:
+        """Names in results of all that is held: the supports, then what guides the platens of loads."""
+        guided = [f"platen_{load.name}" for load in self.named_loads if load.part.platen and load.part.platen.guided]
+        return [*(f"support_{k}" for k in range(len(self.supports))), *guided]
+
     @cached_property
     def stages(self) -> tuple[LoadingStage, ...]:
         """What is done, one stage after another; the last one is the one that a run is told by."""
-        loads = [load.name for load in self.named_loads] + ([] if self.gravity is None else [GRAVITY])
-        return resolved_stages(self.control, self.stage, loads, [gauge.name for gauge in self.named_gauges])
+        gauges = [gauge.name for gauge in self.named_gauges]
+        return resolved_stages(self.control, self.stage, self.load_names, gauges)
 
     @property
     def main(self) -> LoadingStage:

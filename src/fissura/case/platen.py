@@ -28,6 +28,11 @@ class GuidedPlaten(Platen):
 
     turning: Literal["free", "hinged", "held"] = Field(default="free", description='"free", "hinged" or "held"')
 
+    @property
+    def guided(self) -> bool:
+        """Whether anything keeps it from moving as it likes."""
+        return self.turning != "free"
+
 
 @accepting(lambda inner: {"anyOf": [{"enum": list(_CONTACTS)}, inner]})
 def _named(value: Any) -> Any:

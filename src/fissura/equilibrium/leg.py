@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from fissura.case import LoadingStage
     from fissura.equilibrium.newton import Equilibrium
 
 __all__ = ["Leg"]
@@ -51,14 +50,6 @@ class Leg:
     first: float
     smallest: float
     share: float
-
-    @classmethod
-    def simple(cls, stage: LoadingStage) -> Leg:
-        """The leg from rest to the last target of a stage, without other loads."""
-        end = stage.target
-        steps = (stage.max_step, stage.first_step, stage.min_step)
-        share = stage.max_step / abs(end) if stage.energy_step is None else stage.energy_step
-        return cls(0, stage.quantity, np.zeros(1), 0.0, end, 0.0, 1.0, *steps, share)
 
     @property
     def length(self) -> float:

@@ -125,12 +125,8 @@ def case_columns(case: Case) -> tuple[str, ...]:
     They are force and displacement of every load, and every gauge, that has a name of its own; energies at the places;
     reactions.
     """
-    loads = [load.name for load in case.named_loads]
-    weight = [] if case.gravity is None else [GRAVITY]
-    named = (*_load_columns([*loads, *weight]), *_gauge_columns([gauge.name for gauge in case.named_gauges]))
-    guided = [load for load in case.named_loads if load.part.platen is not None and load.part.platen.turning != "free"]
-    held = [*(f"support_{k}" for k in range(len(case.supports))), *(f"platen_{load.name}" for load in guided)]
-    return (*named, *_place_columns(loads, held))
+    named = (*_load_columns(case.load_names), *_gauge_columns([gauge.name for gauge in case.named_gauges]))
+    return (*named, *_place_columns([load.name for load in case.named_loads], case.held_names))
 
 
 def _load_columns(names: Iterable[str]) -> tuple[str, ...]:

@@ -314,6 +314,7 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
     l_f = case.discretization.l_f
     supports: list[Functional] = []
     held: list[Held] = []
+    names = case.held_names
     platens: list[Platen] = []
     for k, part in enumerate(case.supports):
         key = f"supports[{k}]"
@@ -323,7 +324,7 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
         place = place_from_part(part, domain, l_f, key)
         rows = [row for row in kind(place, f"{key}.{part.naming}") if row is not None]
         supports += _on_platen(rows, place, part.platen, platens, f"{key}.platen")
-        held.append(Held(place.centroid, len(rows), f"support_{k}"))
+        held.append(Held(place.centroid, len(rows), names[len(held)]))
     loads, pulls = [], []
     for load in case.named_loads:
         place = place_from_part(load.part, domain, l_f, load.key)
@@ -331,26 +332,25 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
         platen = load.part.platen
         loads += _on_platen([_mean(place, direction)], place, platen, platens, f"{load.key}.platen")
         pulls.append(outward is not None and float(direction @ outward) > 0.0)
-        if platen is not None and platen.turning != "free":
+        if platen is not None and platen.guided:
             guides = _guides(place, direction, platen.turning, f"{load.key}.platen.turning")
             supports += [replace(row, platen=len(platens) - 1) for row in guides]
-            held.append(Held(place.centroid, len(guides), f"platen_{load.name}"))
+            held.append(Held(place.centroid, len(guides), names[len(held)]))
     _check_stability(supports, domain.bounds.mean(axis=0), float(domain.size.max()))
-    names = [load.name for load in case.named_loads]
     keys = [load.key for load in case.named_loads]
     weight = None
     if case.gravity is not None:
-        names, keys = [*names, GRAVITY], [*keys, GRAVITY]
+        keys = [*keys, GRAVITY]
         size = case.gravity.density * case.gravity.acceleration * domain.volume
         weight = Weight(np.asarray(case.gravity.direction, float), size)
         pulls.append(False)
     gauges = case.named_gauges
     gauge_names = tuple(gauge.name for gauge in gauges)
-    drives = tuple(_drive(stage, names, gauge_names) for stage in case.stages)
+    drives = tuple(_drive(stage, case.load_names, gauge_names) for stage in case.stages)
     return Conditions(
         tuple(supports),
         tuple(loads),
-        tuple(names),
+        tuple(case.load_names),
         tuple(keys),
         tuple(_gauge(gauge.part, domain, l_f, gauge.key) for gauge in gauges),
         gauge_names,
