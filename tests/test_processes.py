@@ -15,7 +15,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from fissura.processes import DEATHS, ProcessesLost, computed
+from fissura.processes import DEATHS, ProcessesLost, _Job, _Worker, computed
 
 unix = pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
 
@@ -44,6 +44,13 @@ def wait_for_ever(folder: str) -> None:
         time.sleep(600.0)
     finally:
         (Path(folder) / "tidied").touch()
+
+
+def wait_for_release(folder: str) -> str:
+    (Path(folder) / "begun").touch()
+    while not (Path(folder) / "released").exists():
+        time.sleep(0.01)
+    return "done"
 
 
 def warn(x: int) -> int:
@@ -135,6 +142,19 @@ def test_an_interruption_ends_them_and_lets_them_tidy_up(tmp_path: Path) -> None
     with pytest.raises(KeyboardInterrupt):
         list(computed(wait_for_ever, begun(tmp_path), 1))
     assert (tmp_path / "tidied").exists()
+
+
+def test_a_result_that_nobody_waits_for_any_more_is_no_error(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    worker = _Worker[str, str](wait_for_release, None)
+    worker.pipe.recv()  # ready
+    assert worker.take(_Job(str(tmp_path)))
+    while not (tmp_path / "begun").exists():
+        time.sleep(0.01)
+    worker.pipe.close()
+    (tmp_path / "released").touch()
+    worker.process.join(60.0)
+    assert worker.process.exitcode == 0
+    assert capfd.readouterr().err == ""
 
 
 @unix

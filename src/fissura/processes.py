@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
+from multiprocessing.reduction import ForkingPickler
 from typing import Any, Generic, TypeVar
 
 from fissura.errors import FissuraError
@@ -134,11 +135,12 @@ class _Worker(Generic[T, R]):
 
     def take(self, job: _Job[T]) -> bool:
         """Give it a job; False where it has died since."""
+        self.job = job  # before it is sent: a Ctrl-C may come between the two, and who works is ended by force
         try:
             self.pipe.send(job.task)
         except OSError:
+            self.job = None
             return False
-        self.job = job
         return True
 
     def end(self) -> str:
@@ -246,16 +248,26 @@ def _serve(pipe: Connection, run: Callable[[T], R], prepare: Callable[[], None] 
     try:
         if prepare is not None:
             prepare()
-        pipe.send((_READY, None))
     except Exception as error:
-        pipe.send((_REFUSED, str(error) or type(error).__name__))
+        _tell(pipe, _REFUSED, str(error) or type(error).__name__)
         return
-    while True:
+    told = _tell(pipe, _READY, None)
+    while told:
         try:
             task = pipe.recv()
-        except EOFError:
+        except (EOFError, OSError):
             return
-        pipe.send((_DONE, run(task)))
+        told = _tell(pipe, _DONE, run(task))
+
+
+def _tell(pipe: Connection, kind: int, content: Any) -> bool:
+    """Send to the process that started this one; False where it no longer listens, which is how it ends all of them."""
+    message = ForkingPickler.dumps((kind, content))  # what cannot be pickled is an error, a closed pipe is none
+    try:
+        pipe.send_bytes(message)
+    except OSError:
+        return False
+    return True
 
 
 def _end_with_parent() -> None:
