@@ -12,7 +12,7 @@ from fissura.results import read_curve
 
 #: What depends on the clock or on the machine.
 TIMES = ("cpu_s", "wall_s")
-_MACHINE = (*TIMES, "cpu_repeated_s", "cpu_refining_s", "peak_memory_MB")
+_MACHINE = (*TIMES, "cpu_repeated_s", "cpu_refining_s", "peak_memory_MB", "date")
 
 
 def arrays(path: Path) -> dict[str, bytes]:

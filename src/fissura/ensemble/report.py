@@ -17,7 +17,7 @@ from fissura.folder import Folder
 from fissura.results import quantities as text
 from fissura.results.lettering import attempted, rendered
 from fissura.results.pictures import DPI
-from fissura.results.summary import versions
+from fissura.results.provenance import versions
 
 if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult

@@ -15,7 +15,8 @@ from fissura.files import part_of, sync_folder, write_atomically, write_json
 from fissura.folder import Folder
 from fissura.results.curve import COLUMNS
 from fissura.results.curve_writer import CurveWriter
-from fissura.results.summary import FORMAT_VERSION, read_summary, versions, write_summary
+from fissura.results.provenance import versions
+from fissura.results.summary import FORMAT_VERSION, read_summary, write_summary
 
 if TYPE_CHECKING:
     from fissura.ensemble.outcome import Outcome

@@ -12,7 +12,7 @@ from fissura.results.checkpoint import Checkpoint
 from fissura.results.curve import COLUMN_OF
 from fissura.results.done import Done
 from fissura.results.peak import peak_position
-from fissura.results.summary import versions
+from fissura.results.provenance import versions
 from fissura.saved import restored
 from fissura.step import Moment
 

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import platform
 import sys
-from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +17,7 @@ from fissura.files import write_json
 from fissura.results.curve import Curve
 from fissura.results.peak import negative_before_peak, peak_position
 from fissura.results.places import torn_at_places
+from fissura.results.provenance import commit, machine, now, versions
 from fissura.results.quantities import length
 
 if TYPE_CHECKING:
@@ -123,6 +121,9 @@ def build_summary(
             )
         ],
         "versions": versions(),
+        "commit": commit(),
+        "machine": machine(),
+        "date": now(),
     }
     return {key: _plain(value) for key, value in summary.items()}
 
@@ -219,18 +220,6 @@ def _beyond(tolerance: float | None, bound: float | None) -> list[Notice]:
             "a smaller tolerance refines earlier",
         )
     ]
-
-
-@cache
-def versions() -> dict[str, str]:
-    """Versions of Fissura, Python and the libraries that decide the numbers."""
-    found = {"python": platform.python_version()}
-    for package in ("fissura", "numpy", "scipy", "numba"):
-        try:
-            found[package] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            found[package] = "unknown"
-    return found
 
 
 def peak_memory() -> float:
