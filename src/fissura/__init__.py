@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fissura.case import Case, load_case
     from fissura.ensemble.result import EnsembleResult
     from fissura.ensemble.runner import run_ensemble
+    from fissura.ensemble.sweep import sweep
     from fissura.errors import InputError, RunStopped
     from fissura.results import Result
     from fissura.simulation import Simulation
@@ -30,6 +31,7 @@ __all__ = [
     "load_case",
     "run",
     "run_ensemble",
+    "sweep",
 ]
 
 _HOME = {
@@ -42,6 +44,7 @@ _HOME = {
     "load_case": "fissura.case",
     "run": "fissura.api",
     "run_ensemble": "fissura.ensemble.runner",
+    "sweep": "fissura.ensemble.sweep",
 }
 
 

@@ -57,6 +57,8 @@ class CheckReport:
         ends.
     field_rows : tuple of pairs of str
         Name and value of what there is to say about the random field.
+    study : str
+        What the table ``[ensemble]`` asks for, in words; empty without one.
     """
 
     name: str
@@ -78,6 +80,7 @@ class CheckReport:
     macro: tuple[float, float] | None = None
     nuclei_given: int = 0
     field_rows: tuple[tuple[str, str], ...] = field(default=())
+    study: str = ""
 
     @property
     def _nuclei(self) -> list[tuple[str, str]]:
@@ -117,6 +120,7 @@ class CheckReport:
             *self.field_rows,
             *([] if self.weight is None else [("weight, first", force(self.weight))]),
             *self._stages,
+            *([("fissura ensemble", self.study)] if self.study else []),
         ]
 
 
@@ -157,6 +161,7 @@ def report(case: Case) -> CheckReport:
     longest = max(bound, float(lengths.max(initial=0.0)))
     memory_full = estimate_memory(simulation.bodies_full)
     warnings = list(simulation.notices)
+    study = _study(case)
     if longest >= min(limits.values(), default=math.inf):
         warnings.append(
             Notice(
@@ -194,7 +199,21 @@ def report(case: Case) -> CheckReport:
         contact=(case.material.E, case.material.alpha),
         macro=_macro(case),
         field_rows=_field_rows(case, simulation.field),
+        study=study,
     )
+
+
+def _study(case: Case) -> str:
+    """What the table ``[ensemble]`` asks for, in words; every point of its study is validated."""
+    if case.ensemble is None:
+        return ""
+    from fissura.case.points import points_of
+
+    part = case.ensemble
+    runs = len(part.seeds) or part.runs or 1
+    points = len(points_of(case, part.vary, part.combine))
+    keys = f" of {', '.join(part.vary)}" if part.vary else ""
+    return f"{runs} realisation{'s' if runs > 1 else ''} at {points} point{'s' if points > 1 else ''}{keys}"
 
 
 def _field_rows(case: Case, field: RandomField | None) -> tuple[tuple[str, str], ...]:

@@ -61,6 +61,7 @@ CHANGES: dict[str, Any] = {
                    "upper": ["1 mm", 1, 1]}]},
     "output": {"vtk": 0, "measured": "file.csv", "checkpoint": "1 min"},
     "solver": {"linear": "amg", "threads": 4},
+    "ensemble": {"runs": 3, "vary": {"material": {"f_t": ["2 MPa", 3e6]}, "field.length": [0.1]}, "combine": "grid"},
     "seed": 12,
 }  # fmt: skip
 

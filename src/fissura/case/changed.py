@@ -8,11 +8,12 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
+from fissura.case.material import Material
 from fissura.case.part import Part
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["changed"]
+__all__ = ["changed", "value_at"]
 
 P = TypeVar("P", bound=Part)
 
@@ -93,10 +94,33 @@ def _copied(part: P, tree: Tree, path: str) -> P:
 
 def _now(part: Part, key: str) -> Any:
     """The value that a part has; None where it has none."""
+    if isinstance(part, Material) and key == "macro":
+        return part.whole
     if key in type(part).model_fields:
         return getattr(part, key)
     # A law's own table is kept apart; constants of a region are beside the fields.
     return getattr(part, "parameters", None) if key == getattr(part, "law", None) else None
+
+
+def value_at(part: Part, key: str) -> Any:
+    """The value that a dotted key has in a case; None where it has none.
+
+    Examples
+    --------
+    >>> value_at(load_case("examples/beam_d100.toml"), "supports[0].type")
+    'pin'
+    """
+    now: Any = part
+    for word in _parsed(key):
+        if isinstance(now, tuple) and isinstance(word, str):
+            now = now[0] if len(now) == 1 else None  # keys without an index mean the only table of a list
+        if isinstance(now, tuple):
+            now = now[int(word)] if int(word) < len(now) else None
+        elif isinstance(now, Mapping):
+            now = now.get(word)
+        else:
+            now = _now(now, str(word)) if isinstance(now, Part) else getattr(now, str(word), None)
+    return now
 
 
 def _new(now: Any, change: Any, path: str) -> Any:

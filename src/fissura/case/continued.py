@@ -21,6 +21,7 @@ _STEPS = ("max_step", "first_step", "min_step", "energy_step")
 _FREE = (
     "name",
     "output",
+    "ensemble",
     "control.target",
     "control.stop_load",
     "solver.threads",

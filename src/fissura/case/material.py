@@ -14,6 +14,7 @@ from pydantic import (
     SerializationInfo,
     SerializerFunctionWrapHandler,
     TypeAdapter,
+    ValidationError,
     ValidationInfo,
     model_serializer,
     model_validator,
@@ -100,6 +101,15 @@ class Material(Part):
     def parameters(self) -> BaseModel | None:
         """Constants of the law's own table ``[material.NAME]``, an instance of its model; None where it has none."""
         return self._parameters
+
+    @property
+    def whole(self) -> Macro | None:
+        """Elastic constants of the material as a whole that the contacts give; None where their table ends."""
+        try:
+            E, nu = bulk_law().macroscopic(self.E, self.alpha)
+            return Macro(E=E, nu=nu)
+        except (InputError, ValidationError):
+            return None
 
     @model_validator(mode="wrap")
     @classmethod

@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from fissura.case.adaptivity import Adaptivity
+from fissura.case.ensemble import Ensemble
 from fissura.case.field import Field as RandomField
 from fissura.case.material import Macro, Material
 from fissura.case.materials import MaterialRegion
@@ -49,6 +50,7 @@ __all__ = [
     "Case",
     "Control",
     "Discretization",
+    "Ensemble",
     "Gauge",
     "Gravity",
     "Load",
@@ -195,6 +197,7 @@ class Case(Part):
     output: Output = Output()
     solver: Solver = Solver()
     field: RandomField | None = None
+    ensemble: Ensemble | None = None
 
     @cached_property
     def source(self) -> str | None:

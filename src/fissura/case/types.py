@@ -55,6 +55,7 @@ __all__ = [
     "PositiveEnergyPerArea",
     "PositiveLength",
     "PositiveStress",
+    "Repeats",
     "Shape",
     "Share",
     "SignedShare",
@@ -264,6 +265,7 @@ Tolerance = Annotated[float, BeforeValidator(quantity(NUMBER, between(0.0, 0.1, 
 Duration = Annotated[float, BeforeValidator(quantity(DURATION, DURATIONS))]
 Count = Annotated[int, BeforeValidator(_integer(0))]
 Thousands = Annotated[int, BeforeValidator(_integer(0, 10_000))]
+Repeats = Annotated[int, BeforeValidator(_integer(1, 100_000))]
 Iterations = Annotated[int, BeforeValidator(_integer(1, 10_000))]
 Flag = Annotated[bool, BeforeValidator(_flag)]
 Point = Annotated[tuple[Length, Length, Length], BeforeValidator(list_of(3, "lengths"))]

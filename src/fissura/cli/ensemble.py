@@ -43,7 +43,21 @@ class Companions(StrEnum):
 
 def ensemble(
     case: CaseArgument,
-    runs: Annotated[int, typer.Option(min=1, help="Number of realisations.", show_default=False)],
+    runs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Number of realisations.", show_default="[ensemble] of the case; 1 with --vary"),
+    ] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KEY=VALUES", help='Values of a key, such as "material.f_t=2.5 MPa, 3 MPa"; repeatable.'),
+    ] = None,
+    together: Annotated[
+        bool, typer.Option("--together", help="Vary keys together instead of in all combinations.")
+    ] = False,
+    seeds: Annotated[
+        str | None,
+        typer.Option(metavar="SEEDS", help='Seeds of the realisations, such as "1, 2, 3", instead of --runs.'),
+    ] = None,
     mode: Annotated[
         Mode | None, typer.Option(help="What is random.", show_default="both with a [field], else geometry")
     ] = None,
@@ -53,8 +67,11 @@ def ensemble(
         typer.Option(min=1, help="Modes that Latin hypercubes stratify.", show_default="10, or all if fewer"),
     ] = None,
     companions: Annotated[
-        Companions, typer.Option(help="Runs without a field: one, one for each realisation, or none.")
-    ] = Companions.one,
+        Companions | None,
+        typer.Option(
+            help="Runs without a field: one, one for each realisation, or none.", show_default="one; none with --vary"
+        ),
+    ] = None,
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one per processor")
     ] = None,
@@ -76,9 +93,14 @@ def ensemble(
     ] = None,
     quiet: QuietOption = False,
 ) -> None:
-    """Run many realisations of a case, on all processors or on a cluster, and evaluate them together."""
+    """Run many realisations of a case, on all processors or on a cluster, and evaluate them together.
+
+    With --vary, or vary in the table [ensemble] of the case, it is a parameter study: the same realisations at each
+    point.
+    """
     with errors(), interruptible(say):
         from fissura.case import load_case
+        from fissura.cli.values import seed_list, varied
         from fissura.ensemble.kept import kept
         from fissura.ensemble.progress import EnsembleProgress
         from fissura.ensemble.runner import run_ensemble
@@ -95,10 +117,13 @@ def ensemble(
                 loaded,
                 runs,
                 output=folder,
+                vary=None if not vary else varied(vary),
+                combine="together" if together else None,
+                seeds=None if seeds is None else seed_list(seeds),
                 mode=None if mode is None else mode.value,
                 sampling=sampling.value,
                 leading_modes=leading_modes,
-                companions=companions.value,
+                companions=None if companions is None else companions.value,
                 seed=seed,
                 full=full,
                 keep=keep,

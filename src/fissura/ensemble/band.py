@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ from fissura.results.path import LoadPath
 if TYPE_CHECKING:
     from fissura.case import Quantity
 
-__all__ = ["Band", "band", "write_band"]
+__all__ = ["Band", "band", "write_bands"]
 
 FloatArray = NDArray[np.float64]
 
@@ -109,13 +109,31 @@ def band(paths: Sequence[LoadPath]) -> Band | None:
     )
 
 
-def write_band(found: Band, path: Path) -> None:
-    """Write a band as CSV."""
+def write_bands(found: Sequence[tuple[Mapping[str, float | str], Band]], path: Path) -> None:
+    """Write the bands of one or several groups of runs as CSV, one below the other; nothing if there are none.
+
+    Parameters
+    ----------
+    found : sequence of (mapping, Band)
+        Each band, after the values that its group is told by: these are the first columns. All bands must be over the
+        same quantity; those that are not over that of the first are left out.
+    path : Path
+        The file.
+    """
+    if not found:
+        return
+    keys, first = list(found[0][0]), found[0][1]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    column = COLUMN_OF[found.quantity]
-    first = "dissipated_J" if found.over == "dissipated energy" else column
-    writer.writerow([first, "runs", "mean_load_N", *(f"p{p:02.0f}_load_N" for p in PERCENTILES), f"mean_{column}"])
-    for row in zip(found.abscissa, found.count, found.mean, *found.percentiles, found.value, strict=True):
-        writer.writerow([int(value) if k == 1 else f"{value:.12g}" for k, value in enumerate(row)])
+    column = COLUMN_OF[first.quantity]
+    over = "dissipated_J" if first.over == "dissipated energy" else column
+    writer.writerow(
+        [*keys, over, "runs", "mean_load_N", *(f"p{p:02.0f}_load_N" for p in PERCENTILES), f"mean_{column}"]
+    )
+    for values, of in found:
+        if of.over != first.over:
+            continue
+        for row in zip(of.abscissa, of.count, of.mean, *of.percentiles, of.value, strict=True):
+            cells = [int(value) if k == 1 else f"{value:.12g}" for k, value in enumerate(row)]
+            writer.writerow([*(values[key] for key in keys), *cells])
     write_atomically(path, text.getvalue().encode())

@@ -40,7 +40,7 @@ def plot_crack_starts(result: EnsembleResult) -> Figure | None:
         "x",
         color=INK,
         markersize=5,
-        label="deterministic",
+        label="deterministic" if len(other["number"]) else None,
     )
     axes.set_aspect("equal")
     axes.set_xlabel("x [mm]")

@@ -23,7 +23,7 @@ COLOURS = {"Gaussian": BLUE, "Weibull": ORANGE}
 def plot_peaks(result: EnsembleResult) -> Figure | None:
     """Draw a histogram of the peaks with the fitted densities."""
     peaks = result.peaks
-    if len(peaks) < 3 or np.ptp(peaks) <= 0.0:
+    if len(peaks) < 3 or np.ptp(peaks) <= 0.0 or result.plan.vary:
         return None
     figure, axes, scale, unit = _figure(peaks)
     values = peaks * scale
@@ -67,7 +67,7 @@ def plot_peaks(result: EnsembleResult) -> Figure | None:
 def plot_papers(result: EnsembleResult) -> Figure | None:
     """Draw the peaks on Gaussian and on Weibull paper, with fitted lines and their confidence bounds."""
     fits = result.statistics.fits
-    if not fits:
+    if not fits or result.plan.vary:
         return None
     figure = Figure(figsize=(WIDE, 4.3), layout="constrained")
     scale, unit = load_unit(float(result.peaks.max()))
@@ -124,7 +124,7 @@ def _parameters(family: Family, fit: Fit) -> str:
 def plot_convergence(result: EnsembleResult) -> Figure | None:
     """Draw mean and coefficient of variation of the peak over the number of runs, with 95 % intervals."""
     found = result.statistics.convergence
-    if len(found.n) < 2:
+    if len(found.n) < 2 or result.plan.vary:
         return None
     figure = Figure(figsize=(WIDE, 4.6), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, get_args
 
@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.case import Case
+from fissura.case.ensemble import COMBINE, Combine, Varied
+from fissura.case.points import Point, Value, points_of
 from fissura.case.types import whole
 from fissura.case.units import show
+from fissura.ensemble.seeds import FIELD, NUCLEI, STRATA, seed_of, spawned
 from fissura.errors import InputError
 
 __all__ = [
@@ -25,7 +28,6 @@ __all__ = [
     "Plan",
     "Sampling",
     "Task",
-    "spawned",
     "whole_number",
 ]
 
@@ -49,33 +51,6 @@ _MOST_STRATA = 10_000_000
 LEADING_MODES = 10
 """Modes of the field that Latin hypercube sampling stratifies unless told otherwise."""
 
-NUCLEI, FIELD, STRATA, RESAMPLING = 0, 1, 2, 3
-"""Purposes of random numbers, the second part of their spawn key."""
-
-SEED_BITS = 49
-"""Seeds are below 2**49, so that spreadsheets and JSON readers keep every digit of them."""
-
-
-def spawned(master: int, number: int, purpose: int) -> np.random.SeedSequence:
-    """Independent stream of random numbers of an ensemble.
-
-    Parameters
-    ----------
-    master : int
-        The one seed of the ensemble.
-    number : int
-        Number of the realisation, from 1; 0 for what belongs to all.
-    purpose : int
-        `NUCLEI`, `FIELD`, `STRATA` or `RESAMPLING`.
-
-    Returns
-    -------
-    SeedSequence
-        With the spawn key ``(number, purpose)``: it depends on nothing else, so that realisation 7 is the same in an
-        ensemble of 10 and of 1000.
-    """
-    return np.random.SeedSequence(master, spawn_key=(number, purpose))
-
 
 @dataclass(frozen=True)
 class Task:
@@ -91,6 +66,13 @@ class Task:
         What to compute.
     full, keep : bool
         Full resolution; all the files of a run.
+    realisation : int
+        Which realisation of its point it is, from 1; 0 for the companion of them all. Without varied keys it is the
+        number.
+    point : int
+        Number of the point of a parameter study, from 0.
+    values : dict of str to float or str
+        Values of the varied keys there.
     """
 
     number: int
@@ -98,6 +80,9 @@ class Task:
     case: Case
     full: bool = False
     keep: bool = False
+    realisation: int = 0
+    point: int = 0
+    values: dict[str, Value] = field(default_factory=dict)
 
     @property
     def key(self) -> Key:
@@ -114,9 +99,9 @@ class Plan:
     case : Case
         The case; its seed is that of the nuclei where these do not vary.
     runs : int
-        Number of realisations.
+        Number of realisations, of each point where keys are varied.
     mode : {"geometry", "field", "both"}
-        What varies. In mode ``"geometry"`` there is no random field.
+        What is random. In mode ``"geometry"`` there is no random field.
     sampling : {"monte-carlo", "latin-hypercube"}
         How the field is sampled.
     master : int
@@ -130,6 +115,12 @@ class Plan:
         Modes of the field that Latin hypercube sampling stratifies.
     keep : bool
         Keep all the files of a run.
+    vary : dict of str to tuple
+        Values by dotted key of the case: a parameter study, with the same seeds at each of its points.
+    combine : {"grid", "together"}
+        How values of several keys make points, see `fissura.case.points.points_of`.
+    chosen : tuple of int
+        Seeds of the realisations, instead of those spawned from `master`.
 
     Raises
     ------
@@ -146,6 +137,9 @@ class Plan:
     companions: Companions = "one"
     leading_modes: int = LEADING_MODES
     keep: bool = False
+    vary: Varied = field(default_factory=dict)
+    combine: Combine = "grid"
+    chosen: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         for option, name, least in (
@@ -154,25 +148,19 @@ class Plan:
             ("--leading-modes", "leading_modes", 1),
         ):
             object.__setattr__(self, name, whole_number(option, getattr(self, name), least))
-        if self.runs > MOST_RUNS:
-            raise InputError(
-                "--runs",
-                f"{self.runs} realisations are too many for one folder",
-                f"1 to {MOST_RUNS}; for more, several ensembles with different --seed",
-            )
+        object.__setattr__(self, "chosen", tuple(whole_number("seeds", seed, 0) for seed in self.chosen))
         for option, value, names in (
             ("--mode", self.mode, Mode),
             ("--sampling", self.sampling, Sampling),
             ("--companions", self.companions, Companions),
+            ("combine", self.combine, Combine),
         ):
             if value not in get_args(names):
-                raise InputError(option, f"{value!r} is not known", ", ".join(get_args(names)))
-        if self.mode != "geometry" and self.case.field is None:
-            raise InputError(
-                "--mode", f"{self.mode!r} needs a random field, and {self.case.name} has no [field]", "geometry"
-            )
-        if self.mode != "field" and self.case.discretization.nuclei is not None:
-            raise InputError("--mode", f"{self.mode!r} places nuclei, but discretization.nuclei gives them", "field")
+                allowed = COMBINE if option == "combine" else ", ".join(get_args(names))
+                raise InputError(option, f"{value!r} is not known", allowed)
+        self._check_number()
+        for point in self.points:
+            self._check_case(point.case)
         if self.sampling == "latin-hypercube" and self.mode == "geometry":
             raise InputError(
                 "--sampling", "Latin hypercubes sample the field, and --mode geometry has none", "monte-carlo"
@@ -186,10 +174,50 @@ class Plan:
         if self.companions == "each" and self.mode == "geometry":
             raise InputError("--companions", "'each' run of --mode geometry is deterministic itself", "one, none")
 
+    def _check_number(self) -> None:
+        """Refuse more runs than a folder holds, and seeds that are not as many as there are runs."""
+        total = self.runs * len(self.points)
+        if total > MOST_RUNS:
+            of = f" at {len(self.points)} points" if len(self.points) > 1 else ""
+            raise InputError(
+                "--runs",
+                f"{self.runs} realisations{of} are too many for one folder",
+                f"1 to {MOST_RUNS // len(self.points)}; for more, several ensembles with different --seed",
+            )
+        if self.chosen and len(self.chosen) != self.runs:
+            raise InputError("--runs", f"{self.runs} is not the number of the seeds", f"{len(self.chosen)}")
+        if len(set(self.chosen)) < len(self.chosen):
+            raise InputError("seeds", "one of them is there twice", "different whole numbers")
+
+    def _check_case(self, case: Case) -> None:
+        """Refuse a case in which what is to be random is not."""
+        if self.mode != "geometry" and case.field is None:
+            raise InputError(
+                "--mode", f"{self.mode!r} needs a random field, and {self.case.name} has no [field]", "geometry"
+            )
+        if self.mode != "field" and case.discretization.nuclei is not None:
+            raise InputError("--mode", f"{self.mode!r} places nuclei, but discretization.nuclei gives them", "field")
+        if self.mode == "geometry" and any(key.partition(".")[0] == "field" for key in self.vary):
+            raise InputError("--mode", "'geometry' has no random field, and keys of it are varied", "field, both")
+
+    @cached_property
+    def points(self) -> tuple[Point, ...]:
+        """The points of the parameter study; one, without values, where nothing is varied."""
+        return points_of(self.case, self.vary, self.combine)
+
+    def at(self, point: int) -> Plan:
+        """The plan of one point alone; numbers of its runs are different ones."""
+        return replace(self, case=self.points[point].case, vary={}, combine="grid")
+
     def seeds(self, number: int) -> tuple[int, int | None]:
-        """Seed of the nuclei and seed of the field of a realisation; None without a field."""
-        nuclei = self.case.seed if self.mode == "field" else _seed(spawned(self.master, number, NUCLEI))
-        return nuclei, None if self.mode == "geometry" else _seed(spawned(self.master, number, FIELD))
+        """Seed of the nuclei and seed of the field of a realisation, from 1 on; None without a field."""
+        if self.chosen:
+            seed = of_field = self.chosen[number - 1]
+            if self.case.field is not None and self.case.field.seed is not None and seed == self.case.seed:
+                of_field = self.case.field.seed  # the case as it is
+            return (self.case.seed if self.mode == "field" else seed), (None if self.mode == "geometry" else of_field)
+        nuclei = self.case.seed if self.mode == "field" else seed_of(spawned(self.master, number, NUCLEI))
+        return nuclei, None if self.mode == "geometry" else seed_of(spawned(self.master, number, FIELD))
 
     @cached_property
     def leading(self) -> FloatArray:
@@ -207,29 +235,34 @@ class Plan:
         return np.asarray(ndtri(LatinHypercube(self.leading_modes, rng=rng).random(self.runs)))
 
     def run(self, number: int) -> Task:
-        """The realisation of a number, from 1 on."""
-        nuclei, seed = self.seeds(number)
+        """The run of a number, from 1 on: first all points of the first realisation, then of the second, and so on."""
+        before, point = divmod(number - 1, len(self.points))
+        realisation, case = before + 1, self.points[point].case
+        nuclei, seed = self.seeds(realisation)
         changes: dict[str, Any] = {"seed": nuclei}
         if seed is None:
             changes["field"] = None
         else:
-            assert self.case.field is not None
-            changes["field"] = self.case.field.model_copy(update={"seed": seed, **self._strata(number)})
-        return self._task(number, "run", changes)
+            assert case.field is not None
+            changes["field"] = case.field.model_copy(update={"seed": seed, **self._strata(realisation)})
+        return self._task(number, "run", realisation, point, changes)
 
     def companion(self, number: int) -> Task:
-        """The deterministic run with the nuclei of a realisation; with those of the case for number 0."""
-        seed = self.case.seed if number == 0 else self.seeds(number)[0]
-        return self._task(number, "companion", {"seed": seed, "field": None})
+        """The deterministic run with the nuclei of a realisation; with those of the case for realisation 0."""
+        realisation, point = divmod(number, len(self.points))
+        seed = self.case.seed if realisation == 0 else self.seeds(realisation)[0]
+        return self._task(number, "companion", realisation, point, {"seed": seed, "field": None})
 
     def keys(self) -> Iterator[Key]:
         """What the ensemble consists of, in order, each run after its companion; takes no time, unlike `tasks`."""
+        count = len(self.points)
         if self.companions == "one" or (self.companions == "each" and self.mode == "field"):
-            yield "companion", 0
-        for number in range(1, self.runs + 1):
-            if self.companions == "each" and self.mode == "both":
-                yield "companion", number
-            yield "run", number
+            yield from (("companion", number) for number in range(count))
+        for realisation in range(1, self.runs + 1):
+            for point in range(count):
+                if self.companions == "each" and self.mode == "both":
+                    yield "companion", realisation * count + point
+                yield "run", (realisation - 1) * count + point + 1
 
     def task(self, key: Key) -> Task:
         """The run or companion of a number."""
@@ -243,13 +276,11 @@ class Plan:
     def _strata(self, number: int) -> dict[str, Any]:
         return {"leading": tuple(self.leading[number - 1].tolist())} if self.sampling == "latin-hypercube" else {}
 
-    def _task(self, number: int, kind: Kind, changes: dict[str, Any]) -> Task:
-        output = self.case.output.model_copy(update={"measured": None} if self.keep else {"measured": None, "vtk": 0})
-        return Task(number, kind, self.case.model_copy(update={**changes, "output": output}), self.full, self.keep)
-
-
-def _seed(sequence: np.random.SeedSequence) -> int:
-    return int(sequence.generate_state(1, np.uint64)[0] >> np.uint64(64 - SEED_BITS))
+    def _task(self, number: int, kind: Kind, realisation: int, point: int, changes: dict[str, Any]) -> Task:
+        at = self.points[point]
+        output = at.case.output.model_copy(update={"measured": None} if self.keep else {"measured": None, "vtk": 0})
+        case = at.case.model_copy(update={**changes, "output": output})
+        return Task(number, kind, case, self.full, self.keep, realisation, point, at.values)
 
 
 def whole_number(option: str, value: int, least: int) -> int:

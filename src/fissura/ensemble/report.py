@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fissura.ensemble.groups import group_rows
 from fissura.ensemble.pictures import PICTURES
 from fissura.ensemble.statistics import QUANTITIES
+from fissura.ensemble.table import varied_keys
 from fissura.files import write_atomically
 from fissura.folder import Folder
 from fissura.results import quantities as text
@@ -28,6 +30,10 @@ TEXTS = {
     "curves": "Each thin line is a run. Mean and band are taken at the same gauge, or at the same dissipated energy if "
     "the gauge of any run turns back. A run that has ended does not count beyond its end; where runs are missing, the "
     "mean is dashed and the band is paler. Runs that stopped early are no part of either.",
+    "curves_by_value": "A colour for each point of the study; where it has several runs, these are thin lines, and the "
+    "thick one is their mean, up to where the first of them ends.",
+    "peaks_by_value": "Dots are runs, lines join means where all other values are the same. Bars are 95 % intervals "
+    "of the mean by Student's t. All points have the same seeds: differences between them are surer than bars say.",
     "peaks": "Fitted by maximum likelihood. p is the probability of a worse fit by the test of Anderson and Darling if "
     "the distribution is the right one.",
     "papers": "The distribution is a straight line. Points are at median ranks (i − 0.3)/(n + 0.4). Bounds are for the "
@@ -64,12 +70,12 @@ def write_report(result: EnsembleResult) -> None:
         .from_string(template)
         .render(
             name=result.plan.case.name,
-            runs=result.plan.runs,
+            runs=result.plan.runs * len(result.plan.points),
             version=versions()["fissura"],
             overview=result.table(),
             unfinished=result.unfinished(),
             pictures=_pictures(result),
-            statistics=_statistics(result),
+            statistics=(_by_point if result.plan.vary else _statistics)(result),
             table=_table(result),
             source=result.plan.case.source,
         )
@@ -111,8 +117,22 @@ def _statistics(result: EnsembleResult) -> dict[str, Any]:
     return {"heads": heads, "rows": rows}
 
 
+def _by_point(result: EnsembleResult) -> dict[str, Any]:
+    """Peaks at each point of a parameter study."""
+    heads = [*result.plan.vary, "runs", "mean peak load", "95 % from", "to", "CoV", "mean gauge at peak"]
+    rows = []
+    table = group_rows(result.groups)
+    for k, point in enumerate(result.plan.points):
+        row = {name: column[k].item() for name, column in table.items()}
+        peak = [text.force(row[f"{name}_peak_load_N"]) for name in ("mean", "low", "high")]
+        gauge = text.length(row["mean_gauge_at_peak_m"])
+        rows.append([k + 1, *point.given.values(), row["counted"], *peak, text.per_cent(row["cov_peak_load"]), gauge])
+    return {"heads": heads, "rows": rows}
+
+
 def _table(result: EnsembleResult) -> dict[str, Any]:
-    heads = ["run", "status", "seed", "seed of field", *QUANTITIES.values(), "crack start x, y, z [mm]"]
+    keys = varied_keys(result.rows)
+    heads = ["run", "status", *keys, "seed", "seed of field", *QUANTITIES.values(), "crack start x, y, z [mm]"]
     rows = []
     numbers = result.rows["number"]
     for k in np.lexsort((numbers, result.rows["kind"] == "companion")).tolist():
@@ -123,6 +143,7 @@ def _table(result: EnsembleResult) -> dict[str, Any]:
             [
                 number if row["kind"] == "run" else f"deterministic {number or ''}".strip(),
                 row["status"],
+                *(result.plan.points[int(row["point"])].given[key] for key in keys),
                 row["seed"],
                 row["field_seed"] if row["field_seed"] >= 0 else "-",
                 *(FORMATS[name](float(row[name])) if row[name] != -1 else "-" for name in QUANTITIES),

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.ensemble.band import Band, band, write_band
+from fissura.case.points import Value
+from fissura.ensemble.band import Band, band, write_bands
+from fissura.ensemble.groups import group_rows, write_groups
+from fissura.ensemble.overview import rows_of
 from fissura.ensemble.plan import Kind, Plan
 from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.table import Table, read_table, select
 from fissura.files import write_json
-from fissura.results import quantities as text
 from fissura.results.curve import COLUMN_OF, read_curve
 from fissura.results.path import LoadPath
 from fissura.results.result import Result
 from fissura.results.summary import read_summary
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 __all__ = ["EnsembleResult"]
 
@@ -29,7 +33,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, repr=False, eq=False)
 class EnsembleResult:
-    """Results of an ensemble.
+    """Results of an ensemble, or of a parameter study: an ensemble at each of several points.
 
     Attributes
     ----------
@@ -39,11 +43,15 @@ class EnsembleResult:
         The table of all runs and companions (`fissura.ensemble.table.COLUMNS`).
     folder : Path
         Where the files are.
+    values : dict of str to float or str
+        Of one point of a parameter study: its values of the varied keys, numbers in SI units.
     """
 
     plan: Plan
     rows: Table
     folder: Path
+    values: dict[str, Value] = field(default_factory=dict)
+    _kept: object = None  # a folder that lasts as long as whoever refers to it
 
     @classmethod
     def of(cls, plan: Plan, rows: Table, folder: Path) -> EnsembleResult:
@@ -61,15 +69,20 @@ class EnsembleResult:
             There is no ensemble, or a file of it is broken.
         """
         from fissura.case import case_from_dict
+        from fissura.case.ensemble import lists_of_values
         from fissura.case.load import read_json
 
         folder = Path(folder)
         plan = read_summary(folder / "ensemble.json").get("plan", {})
         data = read_json(folder / "case.json", "the case.json of an ensemble")
+        data["output"] = (data.get("output") or {}) | {"measured": _there(data)}
         case = case_from_dict(data, folder, files_exist=False)
         named = {name: plan[name] for name in ("runs", "mode", "sampling", "full", "companions", "keep")}
         if plan["leading_modes"] is not None:
             named["leading_modes"] = plan["leading_modes"]
+        if plan.get("vary"):
+            named |= {"vary": lists_of_values(plan["vary"]), "combine": plan["combine"]}
+        named["chosen"] = tuple(plan.get("seeds") or ())
         return cls.of(Plan(case, master=plan["seed"], **named), read_table(folder), folder)
 
     @cached_property
@@ -81,6 +94,24 @@ class EnsembleResult:
     def companions(self) -> Table:
         """The deterministic runs for comparison."""
         return select(self.rows, self.rows["kind"] == "companion")
+
+    @cached_property
+    def groups(self) -> tuple[EnsembleResult, ...]:
+        """Of a parameter study: the runs of each point as a result of their own, in order; else the result itself.
+
+        Examples
+        --------
+        >>> for group in study.groups:
+        ...     print(group.values["material.f_t"], group.peaks.mean())
+        """
+        if not self.plan.vary:
+            return (self,)
+        return tuple(
+            EnsembleResult(
+                self.plan.at(k), select(self.rows, self.rows["point"] == k), self.folder, point.values, self._kept
+            )
+            for k, point in enumerate(self.plan.points)
+        )
 
     @property
     def peaks(self) -> FloatArray:
@@ -131,7 +162,8 @@ class EnsembleResult:
     @property
     def complete(self) -> bool:
         """Whether every run and every companion finished."""
-        return bool((self.rows["status"] == "finished").all()) and self.count("finished") == self.plan.runs
+        wanted = self.plan.runs * len(self.plan.points)
+        return bool((self.rows["status"] == "finished").all()) and self.count("finished") == wanted
 
     def unfinished(self) -> list[tuple[str, str]]:
         """Name and reason of every run or companion that did not finish."""
@@ -142,45 +174,105 @@ class EnsembleResult:
         ]
 
     def write(self) -> None:
-        """Write ``statistics.json`` and ``mean_curve.csv``."""
-        write_json(self.folder / "statistics.json", self.statistics.as_dict())
-        if self.band is not None:
-            write_band(self.band, self.folder / "mean_curve.csv")
+        """Write ``statistics.json`` and ``mean_curve.csv``; of a parameter study ``groups.csv``, too."""
+        write_json(self.folder / "statistics.json", self._statistics())
+        bands = [(group.values, group.band) for group in self.groups]
+        write_bands([(values, found) for values, found in bands if found is not None], self.folder / "mean_curve.csv")
+        if self.plan.vary:
+            write_groups(self.groups, self.folder / "groups.csv")
+
+    def _statistics(self) -> dict[str, Any]:
+        if not self.plan.vary:
+            return self.statistics.as_dict()
+        return {"groups": [{"values": group.values, **group.statistics.as_dict()} for group in self.groups]}
 
     def table(self) -> list[tuple[str, str]]:
         """Rows of name and value that describe the ensemble."""
-        plan, found = self.plan, self.statistics
-        rows = [
-            ("case", f"{plan.case.name}, {'full resolution' if plan.full else 'adaptive'}"),
-            ("random", f"{_RANDOM[plan.mode]}, {plan.sampling}, seed {plan.master}"),
-            ("runs", _counts(self)),
-        ]
-        peak = found.rows["peak_load_N"]
-        if peak["n"] > 1:
-            mean, cov = found.convergence.mean[-1], found.convergence.cov[-1]
-            rows += [
-                ("peak load, mean", f"{text.force(mean[0])} (95 %: {text.force(mean[1])} to {text.force(mean[2])})"),
-                (
-                    "scatter (CoV)",
-                    f"{text.per_cent(cov[0])} (95 %: {text.per_cent(cov[1])} to {text.per_cent(cov[2])})",
-                ),
-                ("5 % and 95 % of peaks", f"{text.force(peak['p05'])}, {text.force(peak['p95'])}"),
-            ]
-            for name, fit in found.fits.items():
-                values = ", ".join(_parameter(key, value) for key, value in fit.parameters.items())
-                rows.append((f"{name} fit", f"{values}; p = {fit.p_value:.2f}"))
-        elif peak["n"] == 1:
-            rows.append(("peak load", text.force(peak["mean"])))
-        counted = np.abs(self.companions["peak_load_N"][self.companions["status"] == "finished"])
-        if len(counted):
-            note = "" if len(counted) == 1 else f" (mean of {len(counted)})"
-            rows.append(("deterministic peak", text.force(float(counted.mean())) + note))
-        early = int((found.counted & ~self.runs["past_peak"]).sum())
-        if early:
-            rows.append(("note", f"{early} finished less than 20 % below their largest load: it may not be their peak"))
-        times = self.rows["cpu_s"][np.isfinite(self.rows["cpu_s"])]
-        rows.append(("processor time", f"{text.seconds(float(times.sum()))} in all"))
-        return rows
+        return rows_of(self)
+
+    def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None, **line: Any) -> Axes:
+        """Draw all curves with their means, by value where keys are varied; or a column of the table of runs.
+
+        Parameters
+        ----------
+        x, y : str, optional
+            Columns of the table of runs, with or without units; a varied key by its name or the last part of it.
+            With `x` alone, `y` is the peak load. Without both, curves are drawn.
+        ax : matplotlib Axes, optional
+            Where; by default those of a new figure.
+        **line
+            Properties of lines and points, such as ``color``.
+
+        Returns
+        -------
+        matplotlib Axes
+            Where it was drawn.
+
+        Raises
+        ------
+        InputError
+            There is no such column, or it holds words; or no run has a curve.
+
+        Examples
+        --------
+        >>> study.plot()
+        >>> study.plot(x="material.f_t", y="peak_load")
+        """
+        from fissura.ensemble.plotting import plot_curves_of, plot_rows
+
+        return plot_curves_of(self, ax, line) if x is None and y is None else plot_rows(self, x, y, ax, line)
+
+    def to_dataframe(self, *, groups: bool = False) -> Any:
+        """The table of runs as a ``pandas.DataFrame``, one row per run in SI units; companions are left out.
+
+        Parameters
+        ----------
+        groups : bool, optional
+            The table of ``groups.csv`` instead: one row for each point of a parameter study.
+
+        Raises
+        ------
+        InputError
+            Pandas is not installed.
+
+        Examples
+        --------
+        >>> study.to_dataframe().groupby("material.f_t")["peak_load_N"].mean()
+        """
+        from fissura.results.dataframe import frame
+
+        return frame(group_rows(self.groups), "point") if groups else frame(self.runs, "number")
+
+    def save(self, folder: str | Path, *, overwrite: bool = False) -> EnsembleResult:
+        """Copy all files of the ensemble to another folder, which `load` reads and ``fissura ensemble`` goes on with.
+
+        Parameters
+        ----------
+        folder : path
+            New or empty, or with an earlier ensemble to be replaced.
+        overwrite : bool, optional
+            Whether it may hold an earlier ensemble.
+
+        Returns
+        -------
+        EnsembleResult
+            The same, in its new folder.
+
+        Raises
+        ------
+        InputError
+            The folder holds something else, or cannot be written.
+        OSError
+            A file cannot be written.
+        """
+        from fissura.ensemble.store import copied
+
+        return EnsembleResult(self.plan, self.rows, copied(self.folder, folder, overwrite=overwrite), self.values)
+
+    def _repr_html_(self) -> str:
+        from fissura.ensemble.html import ensemble_html
+
+        return ensemble_html(self)
 
     def _paths(self, kind: Kind) -> dict[int, LoadPath]:
         of = select(self.rows, (self.rows["kind"] == kind) & (self.rows["steps"] > 0))
@@ -196,16 +288,7 @@ class EnsembleResult:
         return "\n".join(f"{name:<{width}}  {value}" for name, value in self.table())
 
 
-_RANDOM = {"geometry": "nuclei", "field": "field", "both": "nuclei and field"}
-
-
-def _counts(result: EnsembleResult) -> str:
-    parts = [f"{result.count('finished')} of {result.plan.runs} finished"]
-    parts += [f"{result.count(status)} {status}" for status in ("stopped", "failed") if result.count(status)]
-    bad = int((result.companions["status"] != "finished").sum())
-    return ", ".join(parts) + (f"; {bad} of the companions did not finish" if bad else "")
-
-
-def _parameter(key: str, values: tuple[float, float, float]) -> str:
-    show = (lambda value: f"{value:.3g}") if key == "shape" else text.force
-    return f"{key} {show(values[0])} (90 %: {show(values[1])} to {'∞' if math.isinf(values[2]) else show(values[2])})"
+def _there(data: dict[str, Any]) -> str | None:
+    """The measured curve of a case, if the file is still there: a result can be looked at without it."""
+    measured = (data.get("output") or {}).get("measured")
+    return measured if measured is not None and Path(measured).is_file() else None

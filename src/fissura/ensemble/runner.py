@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fissura.case import Case, load_case
+from fissura.case import Case, case_from_dict, load_case
+from fissura.case.ensemble import Combine
 from fissura.ensemble.cluster import check_scheduler, outcomes, require_packages, workers_that_fit
 from fissura.ensemble.outcome import Outcome
-from fissura.ensemble.plan import LEADING_MODES, Companions, Key, Mode, Plan, Sampling
+from fissura.ensemble.plan import Companions, Key, Mode, Plan, Sampling
+from fissura.ensemble.planning import planned
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
@@ -30,16 +31,19 @@ _log = logging.getLogger(__name__)
 
 
 def run_ensemble(
-    case: Case | str | Path,
-    runs: int,
+    case: Case | Mapping[str, Any] | str | Path,
+    runs: int | None = None,
     *,
     output: str | Path,
+    vary: Mapping[str, Any] | None = None,
+    combine: Combine | None = None,
+    seeds: Iterable[int] | None = None,
     mode: Mode | None = None,
     sampling: Sampling = "monte-carlo",
     leading_modes: int | None = None,
     seed: int | None = None,
     full: bool = False,
-    companions: Companions = "one",
+    companions: Companions | None = None,
     keep: bool = False,
     resume: bool = False,
     overwrite: bool = False,
@@ -49,18 +53,25 @@ def run_ensemble(
     on_start: Callable[[Plan, int, int], None] | None = None,
     on_outcome: Callable[[dict[str, Any]], None] | None = None,
 ) -> EnsembleResult:
-    """Run many realisations of a case.
+    """Run many realisations of a case, at each point of a parameter study where keys are varied.
 
     A script that calls this needs the guard ``if __name__ == "__main__":``, as every program that starts processes.
 
     Parameters
     ----------
-    case : Case or path
-        Case, or the TOML file that describes it.
-    runs : int
-        Number of realisations.
+    case : Case, mapping or path
+        Case; tables and keys as in a case file; or the TOML file that describes it. Its table ``[ensemble]`` holds for
+        `runs`, `seeds`, `vary` and `combine` where these are not given.
+    runs : int, optional
+        Number of realisations; by default 1 at each point where keys are varied.
     output : path
         Folder for the results.
+    vary : mapping of str to list, optional
+        Values by dotted key of the case, as a case file gives them.
+    combine : {"grid", "together"}, optional
+        All combinations of these values, by default; or the first value of every key, then the second, and so on.
+    seeds : iterable of int, optional
+        Seeds of the realisations, each as of ``fissura run --seed``, instead of `runs` and `seed`.
     mode : {"geometry", "field", "both"}, optional
         What is random: the nuclei, the field of material, or both; by default both if the case has a field, else the
         nuclei.
@@ -73,7 +84,8 @@ def run_ensemble(
     full : bool, optional
         Full resolution instead of adaptive refinement.
     companions : {"one", "each", "none"}, optional
-        Deterministic runs for comparison: one with the nuclei of the case, or one with those of each realisation.
+        Deterministic runs for comparison: one with the nuclei of the case, by default; one with those of each
+        realisation; or none, by default where keys are varied.
     keep : bool, optional
         Keep all the files of every run, as ``output.vtk`` asks for them; by default its curve and summary only.
     resume : bool, optional
@@ -107,20 +119,21 @@ def run_ensemble(
         on disk, and ``resume`` goes on.
     """
     require_packages(cluster=scheduler is not None)
-    if not isinstance(case, Case):
-        case = load_case(case)
-    plan = Plan(
+    case = case_from_dict(case) if isinstance(case, Mapping) else case if isinstance(case, Case) else load_case(case)
+    plan = planned(
         case,
         runs,
-        ("geometry" if case.field is None else "both") if mode is None else mode,
-        sampling,
-        case.seed if seed is None else seed,
-        full,
-        companions,
-        LEADING_MODES if leading_modes is None else leading_modes,
-        keep,
+        vary=vary,
+        combine=combine,
+        seeds=seeds,
+        mode=mode,
+        sampling=sampling,
+        leading_modes=leading_modes,
+        seed=seed,
+        full=full,
+        companions=companions,
+        keep=keep,
     )
-    plan = replace(plan, leading_modes=_leading_modes(plan, leading_modes))
     workers = None if workers is None else side_by_side("--workers", workers)
     threads_per_worker = side_by_side("--threads-per-worker", threads_per_worker)
     if scheduler is not None and workers is not None:
@@ -134,28 +147,13 @@ def run_ensemble(
             "FISSURA_THREADS in the environment of these workers",
         )
     if scheduler is None:
-        require_memory(case, full=full)
+        for point in plan.points:
+            require_memory(point.case, full=full)
     else:
         check_scheduler(scheduler)
     store = _folder(output, plan, resume=resume, overwrite=overwrite)
     _compute(plan, store, workers, threads_per_worker, scheduler, on_start, on_outcome)
     return evaluate(plan, store)
-
-
-def _leading_modes(plan: Plan, asked: int | None) -> int:
-    """Number of modes to stratify; finds out on the way whether the field is possible, before many runs fail of it."""
-    if asked is not None and plan.sampling != "latin-hypercube":
-        raise InputError("--leading-modes", f"has no effect on {plan.sampling}", "only with --sampling latin-hypercube")
-    if plan.mode == "geometry":
-        return plan.leading_modes
-    from fissura.material import field_from_case
-
-    field = field_from_case(plan.case)
-    assert field is not None
-    modes = field.accuracy.modes
-    if asked is not None and asked > modes:
-        raise InputError("--leading-modes", f"{asked} is more than the {modes} modes of the field", f"1 to {modes}")
-    return min(plan.leading_modes, modes) if plan.sampling == "latin-hypercube" else plan.leading_modes
 
 
 def _folder(output: str | Path, plan: Plan, *, resume: bool, overwrite: bool) -> Store:
@@ -195,7 +193,8 @@ def _compute(
         on_start(plan, len(missing), len(keys) - len(missing))
     if not missing:
         return
-    count = min(workers or workers_that_fit(plan.case, full=plan.full), len(missing))
+    fit = min(workers_that_fit(point.case, full=plan.full) for point in plan.points)
+    count = min(workers or fit, len(missing))
     if scheduler is None:
         prepare_cache()
     try:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fissura.ensemble.convergence import Convergence, convergence
 from fissura.ensemble.distributions import FAMILIES, Fit, fit
-from fissura.ensemble.plan import RESAMPLING, spawned
+from fissura.ensemble.seeds import RESAMPLING, spawned
 from fissura.ensemble.table import Table, select
 
 __all__ = ["QUANTITIES", "Statistics", "statistics"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,7 @@ from fissura.ensemble.kept import FOLDERS, Kept, kept
 from fissura.ensemble.plan import Kind, Plan
 from fissura.errors import InputError
 from fissura.files import part_of, sync_folder, write_atomically, write_json
-from fissura.folder import Folder
+from fissura.folder import Folder, prepare_folder
 from fissura.results.curve import COLUMNS
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.provenance import versions
@@ -21,7 +22,7 @@ from fissura.results.summary import FORMAT_VERSION, read_summary, write_summary
 if TYPE_CHECKING:
     from fissura.ensemble.outcome import Outcome
 
-__all__ = ["Store", "describe"]
+__all__ = ["Store", "copied", "describe"]
 
 OWN = (
     "ensemble.json",
@@ -29,6 +30,7 @@ OWN = (
     "runs.csv",
     "runs.parquet",
     "mean_curve.csv",
+    "groups.csv",
     "statistics.json",
     "report.html",
 )
@@ -40,7 +42,7 @@ FREE = {"runs", "companions", "keep"}
 
 def describe(plan: Plan) -> dict[str, Any]:
     """The plan as plain data, its case with all defaults resolved: what decides the numbers."""
-    case = plan.case.model_dump(mode="json", exclude={"source": True, "name": True, "output": True})
+    case = plan.case.model_dump(mode="json", exclude=dict.fromkeys(("source", "name", "output", "ensemble"), True))
     return {
         "format_version": FORMAT_VERSION,
         "mode": plan.mode,
@@ -51,6 +53,9 @@ def describe(plan: Plan) -> dict[str, Any]:
         "companions": plan.companions,
         "leading_modes": plan.leading_modes if plan.sampling == "latin-hypercube" else None,
         "keep": plan.keep,
+        "vary": plan.vary or None,
+        "combine": plan.combine if plan.vary else None,
+        "seeds": list(plan.chosen) or None,
         "case": case,
     }
 
@@ -101,6 +106,8 @@ class Store:
         before, used = old.get("plan", {}), old.get("versions", {})
         new = json.loads(json.dumps(describe(plan)))
         free = FREE if plan.sampling == "monte-carlo" else FREE - {"runs"}
+        if _goes_on(before.get("seeds"), new["seeds"]):
+            free = free | {"seeds"}
         change = next(_changes(before, new, free), None)
         if change is not None:
             key, was, now = change
@@ -191,6 +198,9 @@ class Store:
             "realisation": {
                 "kind": task.kind,
                 "number": task.number,
+                **(
+                    {"point": task.point, "realisation": task.realisation, "values": task.values} if task.values else {}
+                ),
                 "field_seed": None if task.case.field is None else task.case.field.seed,
                 "again": outcome.again,
                 "load_at_end_N": None if curve is None or not len(curve["load_N"]) else float(curve["load_N"][-1]),
@@ -199,6 +209,36 @@ class Store:
         }
         write_summary(part / "summary.json", summary)
         return summary
+
+
+def copied(source: Path, target: str | Path, *, overwrite: bool) -> Path:
+    """Copy the files of an ensemble, and nothing else that lies beside them, to another folder.
+
+    Raises
+    ------
+    InputError
+        The folder holds something else, or an ensemble without permission to replace it, or cannot be written.
+    OSError
+        A file cannot be written.
+    """
+    folder = prepare_folder(target, "ensemble", overwrite=overwrite)
+    if folder.resolve() == source.resolve():
+        raise InputError("save", f"{folder} is the folder of the ensemble itself", "another folder")
+    own = Folder.begun(folder, "ensemble")
+    for name in dict.fromkeys(Folder(source).names()):
+        old, new = source / name, folder / name
+        own.add(name)
+        new.parent.mkdir(parents=True, exist_ok=True)
+        if old.is_dir():
+            shutil.copytree(old, new, dirs_exist_ok=True)
+        elif old.is_file():
+            shutil.copy2(old, new)
+    return folder
+
+
+def _goes_on(old: list[int] | None, new: list[int] | None) -> bool:
+    """Whether seeds are those of before and further ones, or the first of those."""
+    return bool(old and new) and all(a == b for a, b in zip(old or (), new or (), strict=False))
 
 
 def _move(part: Path, place: Path) -> None:

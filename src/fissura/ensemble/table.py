@@ -15,7 +15,18 @@ from numpy.typing import NDArray
 from fissura.errors import InputError
 from fissura.files import write_atomically
 
-__all__ = ["COLUMNS", "PAST_PEAK", "Table", "read_table", "select", "table", "write_table"]
+__all__ = [
+    "COLUMNS",
+    "PAST_PEAK",
+    "Table",
+    "columns_of",
+    "read_table",
+    "select",
+    "table",
+    "varied_keys",
+    "write_csv",
+    "write_table",
+]
 
 Table = dict[str, NDArray[Any]]
 """Column name -> 1-D array, one entry per run; what is unknown is nan, -1 in a column of whole numbers, or ``""``."""
@@ -49,6 +60,9 @@ COLUMNS: dict[str, type] = {
 }
 """Columns in order, with their types; the part after the last underscore is the unit, if there is one."""
 
+STUDY: dict[str, type] = {"point": int, "realisation": int}
+"""Further columns of parameter studies, followed by one for each varied key: numbers in SI units, or text."""
+
 PAST_PEAK = 0.8
 """A run is past its peak when the magnitude of its last load is at most this part of that of its peak."""
 
@@ -63,11 +77,40 @@ def table(summaries: Iterable[Mapping[str, Any]]) -> Table:
     summaries : iterable of mapping
         Contents of their ``summary.json``.
     """
-    rows = [_row(summary) for summary in summaries]
+    rows, values = [], []
+    for summary in summaries:
+        rows.append(_row(summary))
+        values.append(summary.get("realisation", {}).get("values") or {})
+    kinds = dict(COLUMNS)
+    if any(values):
+        varied = dict.fromkeys(key for value in values for key in value)
+        texts = {key for value in values for key in value if isinstance(value[key], str)}
+        kinds = _with_study({key: str if key in texts else float for key in varied})
+    rows = [
+        row | {key: str(v) if kinds[key] is str else v for key, v in value.items()}
+        for row, value in zip(rows, values, strict=True)
+    ]
     return {
-        name: np.array([_UNKNOWN[kind] if row[name] is None else row[name] for row in rows], dtype=_dtype(kind))
-        for name, kind in COLUMNS.items()
+        name: np.array([_UNKNOWN[kind] if row.get(name) is None else row[name] for row in rows], dtype=_dtype(kind))
+        for name, kind in kinds.items()
     }
+
+
+def _with_study(varied: Mapping[str, type]) -> dict[str, type]:
+    """All columns of a parameter study: its own ones come after the number of the run."""
+    head = {name: COLUMNS[name] for name in ("kind", "number")}
+    return head | STUDY | dict(varied) | {name: kind for name, kind in COLUMNS.items() if name not in head}
+
+
+def columns_of(rows: Table) -> dict[str, type]:
+    """Columns of a table with their types, in order."""
+    known = COLUMNS | STUDY
+    return {name: known.get(name, str if column.dtype.kind == "U" else float) for name, column in rows.items()}
+
+
+def varied_keys(rows: Table) -> list[str]:
+    """Names of the columns of varied keys."""
+    return [name for name in rows if name not in COLUMNS and name not in STUDY]
 
 
 def _row(summary: Mapping[str, Any]) -> dict[str, Any]:
@@ -78,6 +121,8 @@ def _row(summary: Mapping[str, Any]) -> dict[str, Any]:
     return known | {
         "kind": about.get("kind"),
         "number": about.get("number"),
+        "point": about.get("point"),
+        "realisation": about.get("realisation"),
         "field_seed": about.get("field_seed"),
         "load_at_end_N": end,
         "past_peak": peak is not None and end is not None and abs(end) <= PAST_PEAK * abs(peak),
@@ -91,6 +136,27 @@ def select(rows: Table, chosen: NDArray[np.bool_]) -> Table:
     return {name: column[chosen] for name, column in rows.items()}
 
 
+def write_csv(rows: Table, path: Path, kinds: Mapping[str, type] | None = None) -> None:
+    """Write a table as CSV; what is unknown is empty.
+
+    Parameters
+    ----------
+    rows : Table
+        At least one column.
+    path : Path
+        The file.
+    kinds : mapping of str to type, optional
+        Types of columns that the table of runs does not have; by default numbers and texts.
+    """
+    columns = columns_of(rows) | dict(kinds or {})
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for values in zip(*(rows[name] for name in columns), strict=True):
+        writer.writerow([_written(value, kind) for value, kind in zip(values, columns.values(), strict=True)])
+    write_atomically(path, text.getvalue().encode())
+
+
 def write_table(rows: Table, folder: Path) -> None:
     """Write ``runs.csv``, and ``runs.parquet`` with unknown values as nulls.
 
@@ -99,17 +165,12 @@ def write_table(rows: Table, folder: Path) -> None:
     InputError
         pyarrow, which writes Parquet, is not installed.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for k in range(len(rows["number"])):
-        writer.writerow([_written(rows[name][k], kind) for name, kind in COLUMNS.items()])
-    write_atomically(folder / "runs.csv", text.getvalue().encode())
-
+    columns = columns_of(rows)
+    write_csv(rows, folder / "runs.csv")
     pyarrow, parquet = _parquet()
     arrays = {
         name: pyarrow.array([_plain(value, kind) for value in rows[name]], _arrow(kind))
-        for name, kind in COLUMNS.items()
+        for name, kind in columns.items()
     }
     buffer = pyarrow.BufferOutputStream()
     parquet.write_table(pyarrow.table(arrays), buffer)
@@ -135,14 +196,27 @@ def read_table(path: str | Path) -> Table:
             with path.open(encoding="utf-8", newline="") as file:
                 names, *lines = csv.reader(file)
             columns = {name: [line[k] for line in lines] for k, name in enumerate(names)}
+        kinds = dict(COLUMNS)
+        if STUDY.keys() <= columns.keys():
+            kinds = _with_study({name: _kind(columns[name]) for name in columns if name not in COLUMNS | STUDY})
         return {
             name: np.array([_read(value, kind) for value in columns[name]], dtype=_dtype(kind))
-            for name, kind in COLUMNS.items()
+            for name, kind in kinds.items()
         }
     except OSError as error:
         raise InputError(str(path), "cannot be read", allowed) from error
     except (ValueError, KeyError, IndexError) as error:
         raise InputError(str(path), f"is not a table of runs ({error})", allowed) from error
+
+
+def _kind(values: list[Any]) -> type:
+    """Type of a column of a varied key, from what a file has in it."""
+    try:
+        for value in values:
+            float(value or 0.0)
+    except ValueError:
+        return str
+    return float
 
 
 def _parquet() -> tuple[Any, Any]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
 
 from fissura.errors import InputError
 
 if TYPE_CHECKING:
     from fissura.results.curve import Curve
 
-__all__ = ["dataframe_of"]
+__all__ = ["dataframe_of", "frame"]
 
 
 def dataframe_of(curve: Curve) -> Any:
@@ -21,8 +24,26 @@ def dataframe_of(curve: Curve) -> Any:
     InputError
         Pandas is not installed.
     """
+    return frame(curve, "step")
+
+
+def frame(columns: Mapping[str, NDArray[Any]], index: str) -> Any:
+    """Columns as a ``pandas.DataFrame``.
+
+    Parameters
+    ----------
+    columns : mapping of str to (n,) array
+        Columns by name.
+    index : str
+        The one that becomes the index.
+
+    Raises
+    ------
+    InputError
+        Pandas is not installed.
+    """
     try:
         pandas = import_module("pandas")
     except ImportError:
         raise InputError("pandas", "is not installed; tables need it", "pip install pandas") from None
-    return pandas.DataFrame(curve).set_index("step")
+    return pandas.DataFrame(dict(columns)).set_index(index)

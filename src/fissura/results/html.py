@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Iterable
 from html import escape
 from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
 
 from fissura.results.lettering import attempted, rendered
 from fissura.results.pictures import curve_figure
@@ -12,7 +15,7 @@ from fissura.results.pictures import curve_figure
 if TYPE_CHECKING:
     from fissura.results.result import Result
 
-__all__ = ["result_html"]
+__all__ = ["embedded", "notebook_html", "result_html"]
 
 RESOLUTION = 90
 """Points per inch of the picture."""
@@ -27,20 +30,36 @@ def result_html(result: Result) -> str:
         Any, also one without steps, which has no picture.
     """
     rows = [*result.table(), *([("results", str(result.folder))] if result.folder else [])]
+    name = f"curve of {result.case.name}"
+    picture = attempted("the curve", lambda: embedded(curve_figure(result), name)) if result.steps else None
+    return notebook_html(rows, map(str, result.summary.get("warnings") or ()), picture)
+
+
+def notebook_html(rows: Iterable[tuple[str, str]], notices: Iterable[str], picture: str | None) -> str:
+    """A table, a picture beside it, and warnings below.
+
+    Parameters
+    ----------
+    rows : iterable of (str, str)
+        Name and value.
+    notices : iterable of str
+        The warnings.
+    picture : str or None
+        HTML of the picture, from `embedded`.
+    """
     cells = "".join(
         f'<tr><th style="text-align:left">{escape(name)}</th><td style="text-align:left">{escape(value)}</td></tr>'
         for name, value in rows
     )
-    notices = "".join(f"<li>{escape(str(text))}</li>" for text in result.summary.get("warnings") or ())
-    picture = attempted("the curve", lambda: _picture(result)) if result.steps else None
+    told = "".join(f"<li>{escape(notice)}</li>" for notice in notices)
     return (
         '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">'
-        f"<table>{cells}</table>{picture or ''}</div>"
-        + (f"<p><b>Warnings</b></p><ul>{notices}</ul>" if notices else "")
+        f"<table>{cells}</table>{picture or ''}</div>" + (f"<p><b>Warnings</b></p><ul>{told}</ul>" if told else "")
     )
 
 
-def _picture(result: Result) -> str:
-    data = b64encode(rendered(curve_figure(result), form="png", dpi=RESOLUTION)).decode()
-    name = escape(f"curve of {result.case.name}", quote=True)
-    return f'<img alt="{name}" src="data:image/png;base64,{data}" style="max-width:min(100%,32em)">'
+def embedded(figure: Figure, name: str) -> str:
+    """HTML of a figure inside the page, with what it shows in words."""
+    data = b64encode(rendered(figure, form="png", dpi=RESOLUTION)).decode()
+    alt = escape(name, quote=True)
+    return f'<img alt="{alt}" src="data:image/png;base64,{data}" style="max-width:min(100%,32em)">'

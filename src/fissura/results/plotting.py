@@ -16,13 +16,13 @@ from fissura.results.names import load_name, value_axis
 from fissura.results.pictures import BLUE, tidy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from matplotlib.axes import Axes
 
     from fissura.results.result import Result
 
-__all__ = ["column_named", "plot_columns", "split_unit"]
+__all__ = ["column_among", "column_named", "new_axes", "plot_columns", "scaled_axis", "split_unit"]
 
 FloatArray = NDArray[np.float64]
 
@@ -58,14 +58,25 @@ def column_named(columns: Iterable[str], name: str, key: str) -> str:
     >>> column_named(["gauge_m", "load_N"], "load", "y")
     'load_N'
     """
-    known = [column for column in columns if column not in TEXTS]
-    found = [column for column in known if name in (column, split_unit(column)[0])]
+    if name in TEXTS:
+        raise InputError(key, f"{name!r} holds words", ", ".join(column for column in columns if column not in TEXTS))
+    return column_among([column for column in columns if column not in TEXTS], name, key)
+
+
+def column_among(columns: Sequence[str], name: str, key: str, of: str = "the curve") -> str:
+    """The column that is meant: its name may be without the unit.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    found = [column for column in columns if name in (column, split_unit(column)[0])]
     if found:
         return found[0]
-    near = difflib.get_close_matches(str(name), [*known, *(split_unit(column)[0] for column in known)], n=1)
+    near = difflib.get_close_matches(str(name), [*columns, *(split_unit(column)[0] for column in columns)], n=1)
     hint = f"; did you mean {near[0]}?" if near else ""
-    problem = "holds words" if name in TEXTS else f"is no column of the curve{hint}"
-    raise InputError(key, f"{name!r} {problem}", ", ".join(known))
+    raise InputError(key, f"{name!r} is no column of {of}{hint}", ", ".join(columns))
 
 
 def split_unit(column: str) -> tuple[str, str]:
@@ -91,7 +102,7 @@ def plot_columns(result: Result, x: str | None, y: str, ax: Axes | None, line: d
     factors = []
     for column, axis in zip(columns, (ax.xaxis, ax.yaxis), strict=True):
         values = result.curve[column].astype(np.float64)
-        factor, label = _axis(column, _name(result, column), values, axis.get_label_text())
+        factor, label = scaled_axis(column, _name(result, column), values, axis.get_label_text())
         factors.append(factor)
         axis.set_label_text(label)
     kind = " at full resolution" if result.full else ""
@@ -117,7 +128,7 @@ def _name(result: Result, column: str) -> str:
     return literal(load_name(result.case) if column == "load_N" else split_unit(column)[0].replace("_", " "))
 
 
-def _axis(column: str, name: str, values: FloatArray, label: str) -> tuple[float, str]:
+def scaled_axis(column: str, name: str, values: FloatArray, label: str) -> tuple[float, str]:
     """Factor, and label of the axis; where one with a unit that fits is there, it stays."""
     unit = split_unit(column)[1]
     if not unit:
