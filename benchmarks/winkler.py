@@ -40,13 +40,8 @@ Plane-stress finite elements with the quoted `E` and a fixed foot have a stiffne
 
 def contacts(energy: float, spacing: float) -> tuple[float, float]:
     """Contacts' `f_t` [Pa] and `G_t` [J/m^2] for the quoted strength and a fracture energy, by the table of prisms."""
-    table_of, modulus = bulk_tension(), example(NAME, 1).material.E
-    f_t, G_t = STRENGTH, energy
-    for _ in range(30):
-        brittleness = 2.0 * modulus * G_t / f_t**2 / spacing
-        f_t = STRENGTH / mean(table_of.strength(brittleness, 0.29))
-        G_t = energy / mean(table_of.energy(brittleness, 0.29))
-    return f_t, G_t
+    material = example(NAME, 1).material
+    return bulk_tension().contact(STRENGTH, energy, material.E, material.alpha, spacing)
 
 
 def produce(found: argparse.Namespace) -> Report:

@@ -7,8 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from typer.testing import CliRunner
 
+from fissura.bulk import bulk_law
 from fissura.bulk_tension import BulkTension, Prisms, bulk_tension
 from fissura.cli import app
 
@@ -57,6 +60,41 @@ def test_the_table_of_the_package() -> None:
     assert all(group.prisms >= 4 for group in known.groups)
     # A whole needs no less than its contacts.
     assert all(group.strength > 1.0 and group.energy > 1.0 for group in known.groups)
+
+
+@given(st.floats(0.5e6, 10e6), st.floats(5.0, 500.0), st.floats(0.05, 1.0), st.floats(1e-3, 0.1))
+def test_contacts_for_a_wanted_whole(strength: float, energy: float, alpha: float, l_f: float) -> None:
+    """Their ranges have the wanted values in the middle."""
+    f_t, G_t = bulk_tension().contact(strength, energy, 60e9, alpha, l_f)
+    brittleness = 2.0 * 60e9 * G_t / f_t**2 / l_f
+    assert 0.5 * sum(bulk_tension().strength(brittleness, alpha)) * f_t == pytest.approx(strength, rel=1e-9)
+    assert 0.5 * sum(bulk_tension().energy(brittleness, alpha)) * G_t == pytest.approx(energy, rel=1e-9)
+
+
+def test_the_command_finds_contacts_for_a_concrete() -> None:
+    words = ["--inverse", "E=33.8GPa", "nu=0.2", "--tension", "G_F=125J/m^2", "f=3.5MPa", "l_f=8mm"]
+    done = CliRunner().invoke(app, ["elastic", *words])
+    assert done.exit_code == 0, done.stderr
+    rows = dict(line.split("  ", 1) for line in done.stdout.splitlines() if "  " in line)
+    E, alpha = bulk_law().contact(33.8e9, 0.2)
+    f_t, G_t = bulk_tension().contact(3.5e6, 125.0, E, alpha, 0.008)
+    assert rows["contacts: f_t, G_t"].strip() == f"{f_t / 1e6:.4g} MPa, {G_t:.4g} J/m^2"
+    assert rows["in a case file"].endswith(f'f_t = "{f_t / 1e6:.4g} MPa", G_t = "{G_t:.4g} J/m^2" }}')
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--tension", "f=3MPa", "G_F=100", "l_f=10mm"), "--tension: needs the elastic constants"),
+        (("--inverse", "E=38GPa", "nu=0.2", "--tension", "f=3MPa", "G_F=100", "f=10mm"), "'f=10mm' is not understood"),
+        (("--inverse", "E=38GPa", "nu=0.2", "--tension", "f=3mm", "G_F=100", "l_f=10mm"), "--tension f: "),
+        (("--inverse", "E=38GPa", "nu=0.2", "--tension", "f=3MPa", "G_F=-1", "l_f=10mm"), "--tension G_F: '-1' is neg"),
+    ],
+)
+def test_what_the_command_does_not_understand(words: tuple[str, ...], message: str) -> None:
+    done = CliRunner().invoke(app, ["elastic", *words])
+    assert done.exit_code != 0
+    assert message in done.stderr
 
 
 def test_the_command_shows_them_beside_the_elastic_constants() -> None:

@@ -87,6 +87,46 @@ class BulkTension:
         """
         return self._range("energy", brittleness, alpha)
 
+    def contact(self, strength: float, energy: float, E: float, alpha: float, l_f: float) -> tuple[float, float]:
+        """Tensile strength and fracture energy of contacts that give these of the material as a whole.
+
+        They are such that the wanted values lie in the middle of the ranges of :meth:`strength` and :meth:`energy`,
+        whose factors depend on ``l_t / l_f`` and with it on what is looked for: a fixed point.
+
+        Parameters
+        ----------
+        strength : float
+            Direct tensile strength of the whole [Pa].
+        energy : float
+            Fracture energy of the whole [J/m^2], over the section.
+        E : float
+            Normal modulus of the contacts [Pa].
+        alpha : float
+            Of the contacts.
+        l_f : float
+            Size of the bodies [m].
+
+        Returns
+        -------
+        f_t, G_t : float
+            Constants of the contacts [Pa], [J/m^2].
+
+        Examples
+        --------
+        >>> f_t, G_t = bulk_tension().contact(3.0e6, 100.0, 60e9, 0.29, 0.01)
+        >>> f"{f_t / 1e6:.2f} MPa, {G_t:.0f} J/m^2"
+        '2.60 MPa, 52 J/m^2'
+        """
+        f_t, G_t = strength, energy
+        for _ in range(100):
+            before = f_t, G_t
+            brittleness = 2.0 * E * G_t / f_t**2 / l_f
+            f_t = 2.0 * strength / sum(self.strength(brittleness, alpha))
+            G_t = 2.0 * energy / sum(self.energy(brittleness, alpha))
+            if (f_t, G_t) == before:
+                break
+        return f_t, G_t
+
     def _range(self, quantity: str, brittleness: float, alpha: float) -> tuple[float, float]:
         factor = self._factor(quantity, "brittleness", brittleness) * self._factor(quantity, "alpha", alpha)
         pairs = [(getattr(group, quantity), getattr(group, f"{quantity}_std")) for group in self.shapes]

@@ -46,6 +46,13 @@ def elastic(
         tuple[str, str] | None,
         typer.Option(metavar="E=38GPa nu=0.18", help="Print the contact constants that give these of the material."),
     ] = None,
+    tension: Annotated[
+        tuple[str, str, str] | None,
+        typer.Option(
+            metavar="f=3MPa G_F=100J/m^2 l_f=10mm",
+            help="With --inverse: contacts for this tensile strength and fracture energy, too.",
+        ),
+    ] = None,
     output: Annotated[Path, typer.Option(help="Folder for table and pictures.")] = Path("results/elastic"),
     overwrite: OverwriteOption = False,
 ) -> None:
@@ -58,7 +65,10 @@ def elastic(
         if inverse is not None:
             if case is not None:
                 raise InputError("--inverse", "is given together with a case", "one of both")
-            print_table(request.inverse_rows(*request.parse_inverse(inverse)))
+            pull = None if tension is None else request.parse_tension(tension)
+            print_table(request.inverse_rows(*request.parse_inverse(inverse), pull))
+        elif tension is not None:
+            raise InputError("--tension", "needs the elastic constants, too", "--inverse E=38GPa nu=0.18 --tension ...")
         elif case is not None:
             from fissura.case import load_case
 

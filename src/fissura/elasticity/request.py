@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from fissura.bulk import bulk_law, voigt
 from fissura.bulk_tension import bulk_tension
-from fissura.case.ranges import BULK_MODULI, MODULI, Range, between
-from fissura.case.units import NUMBER, STRESS, Dimension, to_si
+from fissura.case.ranges import BULK_MODULI, ENERGIES, LENGTHS, MODULI, STRENGTHS, Range, between
+from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, Dimension, to_si
 from fissura.errors import InputError
 from fissura.files import write_atomically
 from fissura.folder import Folder
@@ -28,6 +28,7 @@ __all__ = [
     "parse_inverse",
     "parse_modulus",
     "parse_numbers",
+    "parse_tension",
     "study_table",
     "write",
     "write_csv",
@@ -84,6 +85,19 @@ def parse_modulus(text: str, key: str) -> float:
     return _parsed(text, key, STRESS, MODULI)
 
 
+def _pairs(parts: Sequence[str], names: Sequence[str], key: str, allowed: str) -> dict[str, str]:
+    """What was given as ``name=value`` for each of some names, in any order."""
+    found: dict[str, str] = {}
+    for part in parts:
+        name, sign, value = (piece.strip() for piece in part.partition("="))
+        if not sign or name not in names or name in found:
+            raise InputError(key, f"{part!r} is not understood", allowed)
+        found[name] = value
+    if set(found) != set(names):
+        raise InputError(key, f"needs {', '.join(names[:-1])} and {names[-1]}", allowed)
+    return found
+
+
 def _parsed(text: str, key: str, dimension: Dimension, limits: Range) -> float:
     value: str | float = text
     try:
@@ -108,18 +122,26 @@ def parse_inverse(parts: Sequence[str]) -> tuple[float, float]:
     InputError
         Anything else.
     """
-    allowed = "E=38GPa nu=0.18"
-    found: dict[str, str] = {}
-    for part in parts:
-        name, sign, value = (piece.strip() for piece in part.partition("="))
-        if not sign or name not in ("E", "nu") or name in found:
-            raise InputError("--inverse", f"{part!r} is not understood", allowed)
-        found[name] = value
-    if set(found) != {"E", "nu"}:
-        raise InputError("--inverse", "needs both E and nu", allowed)
+    found = _pairs(parts, ("E", "nu"), "--inverse", "E=38GPa nu=0.18")
     return (
         _parsed(found["E"], "--inverse E", STRESS, BULK_MODULI),
         _parsed(found["nu"], "--inverse nu", NUMBER, between(0.0, 0.5, words=False)),
+    )
+
+
+def parse_tension(parts: Sequence[str]) -> tuple[float, float, float]:
+    """Strength [Pa], fracture energy [J/m^2] and size of bodies [m] from ``f=3MPa``, ``G_F=100J/m^2``, ``l_f=10mm``.
+
+    Raises
+    ------
+    InputError
+        Anything else.
+    """
+    found = _pairs(parts, ("f", "G_F", "l_f"), "--tension", "f=3MPa G_F=100J/m^2 l_f=10mm")
+    return (
+        _parsed(found["f"], "--tension f", STRESS, STRENGTHS),
+        _parsed(found["G_F"], "--tension G_F", ENERGY_PER_AREA, ENERGIES),
+        _parsed(found["l_f"], "--tension l_f", LENGTH, LENGTHS),
     )
 
 
@@ -141,33 +163,38 @@ def _constants(E: float, alpha: float) -> list[tuple[str, str]]:
 
 
 def _tension(case: Case) -> list[tuple[str, str]]:
-    """Rows of strength and fracture energy of the material as a whole in tension."""
-    m, known = case.material, bulk_tension()
-    brittleness = 2.0 * m.E * m.G_t / m.f_t**2 / case.discretization.l_f
-    strength, energy = known.strength(brittleness, m.alpha), known.energy(brittleness, m.alpha)
+    """Rows of strength and fracture energy of a case's material as a whole in tension."""
+    m = case.material
+    rows = _whole(m.E, m.alpha, m.f_t, m.G_t, case.discretization.l_f)
+    usual = ((m.f_s, 3.0 * m.f_t), (m.f_c, 16.0 * m.f_t), (m.G_s, 16.0 * m.G_t))
+    notes = []
+    if not all(math.isclose(value, default, rel_tol=1e-6) for value, default in usual):
+        notes.append("measured with the default f_s, f_c and G_s")
+    if case.field is not None:
+        notes.append("measured without a random field, which weakens")
+    return [*rows, *(("but", note) for note in notes)]
+
+
+def _whole(E: float, alpha: float, f_t: float, G_t: float, l_f: float) -> list[tuple[str, str]]:
+    """Rows of strength and fracture energy of the whole in tension, for constants of contacts."""
+    known = bulk_tension()
+    brittleness = 2.0 * E * G_t / f_t**2 / l_f
+    strength, energy = known.strength(brittleness, alpha), known.energy(brittleness, alpha)
     prisms = sum(group.prisms for group in known.groups)
     rows = [
-        ("contacts: f_t, G_t", f"{_stress(m.f_t)}, {m.G_t:.4g} J/m^2"),
-        (
-            "whole: strength",
-            f"{_stress(strength[0] * m.f_t)} to {_stress(strength[1] * m.f_t)}, {_times(strength)} f_t",
-        ),
-        ("whole: fracture energy", f"{energy[0] * m.G_t:.3g} to {energy[1] * m.G_t:.3g} J/m^2, {_times(energy)} G_t"),
+        ("contacts: f_t, G_t", f"{_stress(f_t)}, {G_t:.4g} J/m^2"),
+        ("whole: strength", f"{_stress(strength[0] * f_t)} to {_stress(strength[1] * f_t)}, {_times(strength)} f_t"),
+        ("whole: fracture energy", f"{energy[0] * G_t:.3g} to {energy[1] * G_t:.3g} J/m^2, {_times(energy)} G_t"),
         ("measured on", f"{prisms} prisms pulled apart (docs/theory.md); single ones, ± a standard deviation"),
     ]
     notes = [
         f"{what} is {value:.3g}, measured from {low:g} to {high:g}"
         for what, value, (low, high) in (
             ("l_t / l_f", brittleness, known.limits("brittleness")),
-            ("alpha", m.alpha, known.limits("alpha")),
+            ("alpha", alpha, known.limits("alpha")),
         )
         if not low <= value <= high
     ]
-    usual = ((m.f_s, 3.0 * m.f_t), (m.f_c, 16.0 * m.f_t), (m.G_s, 16.0 * m.G_t))
-    if not all(math.isclose(value, default, rel_tol=1e-6) for value, default in usual):
-        notes.append("measured with the default f_s, f_c and G_s")
-    if case.field is not None:
-        notes.append("measured without a random field, which weakens")
     return [*rows, *(("but", note) for note in notes)]
 
 
@@ -189,8 +216,16 @@ def case_rows(case: Case) -> list[tuple[str, str]]:
         raise InputError(f"material.{error.key}", error.problem, error.allowed) from None
 
 
-def inverse_rows(E: float, nu: float) -> list[tuple[str, str]]:
+def inverse_rows(E: float, nu: float, tension: tuple[float, float, float] | None = None) -> list[tuple[str, str]]:
     """Contact constants that give a modulus of elasticity [Pa] and a Poisson's ratio.
+
+    Parameters
+    ----------
+    E, nu : float
+        Of the whole; `E` [Pa].
+    tension : tuple of float, optional
+        Tensile strength [Pa] and fracture energy [J/m^2] of the whole and the size of bodies [m]; adds the strength and
+        the fracture energy of the contacts.
 
     Raises
     ------
@@ -201,8 +236,14 @@ def inverse_rows(E: float, nu: float) -> list[tuple[str, str]]:
         contact, alpha = bulk_law().contact(E, nu)
     except InputError as error:
         raise InputError(f"--inverse {error.key}", error.problem, error.allowed) from None
-    case_file = f'material = {{ macro = {{ E = "{E / 1e9:g} GPa", nu = {nu:g} }}, ... }}'
-    return [*_constants(contact, alpha), ("in a case file", case_file)]
+    rows, more = _constants(contact, alpha), ", ..."
+    if tension is not None:
+        strength, energy, l_f = tension
+        f_t, G_t = bulk_tension().contact(strength, energy, contact, alpha, l_f)
+        rows += _whole(contact, alpha, f_t, G_t, l_f)
+        more = f', f_t = "{f_t / 1e6:.4g} MPa", G_t = "{G_t:.4g} J/m^2"'
+    case_file = f'material = {{ macro = {{ E = "{E / 1e9:g} GPa", nu = {nu:g} }}{more} }}'
+    return [*rows, ("in a case file", case_file)]
 
 
 def _number(value: float, decimals: int = 4) -> str:
