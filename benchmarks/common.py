@@ -95,8 +95,14 @@ def options(
     own = [action.dest for action in parser._actions if action.dest not in known]
     words = [word for name in ("cases", "seeds", *own) for word in _changed(parser, found, name)]
     threads = [f"{name}={os.environ[name]}" for name in THREADS if name in os.environ]
-    found.command = shlex.join([*threads, "python", f"benchmarks/{Path(sys.argv[0]).name}", *words])
+    found.command = shlex.join([*threads, "python", _script(), *words])
     return found
+
+
+def _script() -> str:
+    """Path of the script that runs, as seen from the root of the repository."""
+    path = Path(sys.argv[0]).resolve()
+    return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else path.name
 
 
 def _changed(parser: argparse.ArgumentParser, found: argparse.Namespace, name: str) -> list[str]:
