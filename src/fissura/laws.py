@@ -21,11 +21,15 @@ __all__ = ["BUILT_IN", "GROUP", "LAWS", "known_laws", "law_named", "parameters_o
 #: Entry points by which other packages offer laws.
 GROUP = "fissura.laws"
 
-#: Module and class of the laws of Fissura, by name. All their constants are those of ``[material]``.
+#: Module and class of the laws of Fissura, by name.
 BUILT_IN: dict[str, tuple[str, str]] = {
     "cusatis-cedolin": ("fissura.contact.law", "CusatisCedolin"),
     "cusatis-cedolin-closing": ("fissura.contact.closing", "ClosingCusatisCedolin"),
+    "cusatis-cedolin-two-energies": ("fissura.contact.two_energies", "TwoEnergies"),
 }
+
+#: Those of them all of whose constants are in ``[material]``: a case with one of these is read without its code.
+_WITHOUT_TABLE = ("cusatis-cedolin", "cusatis-cedolin-closing")
 
 #: Laws that a program has added for itself, by name: ``LAWS["mine"] = Mine``. Other processes do not know them.
 LAWS: dict[str, type[ContactLaw]] = {}
@@ -104,7 +108,7 @@ def parameters_of(name: str) -> type[BaseModel] | None:
     InputError
         See :func:`law_named`.
     """
-    if name in BUILT_IN and name not in LAWS:
-        return None  # and nothing is imported
+    if name in _WITHOUT_TABLE and name not in LAWS:
+        return None
     model: type[BaseModel] | None = getattr(law_named(name), "Parameters", None)
     return model

@@ -19,6 +19,7 @@ from fissura.contact.law import CusatisCedolin
 from fissura.contact.protocol import AppliedLaw, ContactLaw
 from fissura.contact.several import LawOfMaterials
 from fissura.contact.stress import body_stress
+from fissura.contact.two_energies import TwoEnergies
 from fissura.errors import InputError
 from fissura.laws import law_named
 from fissura.material import materials_from_case
@@ -33,6 +34,7 @@ __all__ = [
     "CusatisCedolin",
     "Kinematics",
     "LawOfMaterials",
+    "TwoEnergies",
     "add_stiffness",
     "body_stress",
     "check_ductile",

@@ -96,7 +96,7 @@ def transition_angle(material: Material) -> float:
 def _respond(  # type: ignore[no-untyped-def]
     strain, history, scale, k_t, n_t, par, lowest, traction, new, tangent, with_tangent
 ):
-    E, alpha, f_t0, f_s0, f_c0, k_c, mu, beta, n_c, omega0 = par
+    E, alpha, f_t0, f_s0, f_c0, k_c, mu, beta, n_c, omega0, tail, steep, flat = par
     root_alpha = np.sqrt(alpha)
     for c in range(len(strain)):
         p = strain[c, 0]
@@ -141,9 +141,12 @@ def _respond(  # type: ignore[no-untyped-def]
                 weight = omega / omega0 if omega < 0.0 else 0.0
                 chi = e * weight + e_max * (1.0 - weight)
             excess = chi - f / E
-            bound = f
-            if excess > 0.0:
+            bound, rate = f, 1.0
+            if excess > 0.0 and (tail == 0.0 or k >= 0.0):
                 bound = f * np.exp(k / f * excess)
+            elif excess > 0.0:  # two exponentials; `rate` is how much faster their sum falls than one
+                first, last = (1.0 - tail) * np.exp(steep * k / f * excess), tail * np.exp(flat * k / f * excess)
+                bound, rate = f * (first + last), (steep * first + flat * last) / (first + last)
             trial = 1.0 - bound / (E * e)
             if trial > damage:
                 damage = trial
@@ -156,7 +159,7 @@ def _respond(  # type: ignore[no-untyped-def]
                 log_w = df / f
                 log_p, log_q = 0.0, 0.0
                 if excess > 0.0:
-                    log_w += (dk - k * df / f) / f * excess - k / f * df / E
+                    log_w += rate * ((dk - k * df / f) / f * excess - k / f * df / E)
                     # chi = e weight + e_max (1 - weight)
                     m_p = top_n / e_max if (e_max > 0.0 and p >= history[c, 1] and p > 0.0) else 0.0
                     m_q = root_alpha * top_t / e_max if (e_max > 0.0 and e_t >= history[c, 2]) else 0.0
@@ -165,7 +168,7 @@ def _respond(  # type: ignore[no-untyped-def]
                     if omega >= omega0 and omega < 0.0:
                         chi_p += (e - e_max) / omega0 * w_p
                         chi_q += (e - e_max) / omega0 * w_q
-                    log_p, log_q = k / f * chi_p, k / f * chi_q
+                    log_p, log_q = rate * k / f * chi_p, rate * k / f * chi_q
                 ratio = bound / (E * e)
                 d_p = -ratio * (log_w * w_p + log_p - sin / e)
                 d_q = -ratio * (log_w * w_q + log_q - cos / e)
@@ -190,7 +193,7 @@ def _respond(  # type: ignore[no-untyped-def]
 
 @njit()
 def _utilisation(strain, scale, par, out):  # type: ignore[no-untyped-def]
-    E, alpha, f_t, f_s, f_c, _, mu, beta, _, omega0 = par
+    E, alpha, f_t, f_s, f_c, _, mu, beta, _, omega0, _, _, _ = par
     for c in range(len(strain)):
         p = strain[c, 0]
         q = np.sqrt(alpha * (strain[c, 1] ** 2 + strain[c, 2] ** 2))
@@ -374,9 +377,13 @@ class CusatisCedolin:
         now = np.maximum(strain[:, 0], 0.0) ** 2 + alpha * (strain[:, 1] ** 2 + strain[:, 2] ** 2)
         return now, history[:, 1] ** 2 + alpha * history[:, 2] ** 2
 
+    def _softening(self) -> tuple[float, float, float]:
+        """Share of strength of a second exponential of softening, and how fast both fall, over that of only one."""
+        return 0.0, 1.0, 1.0
+
     def _parameters(self) -> tuple[float, ...]:
         m = self.material
-        return (m.E, m.alpha, m.f_t, m.f_s, m.f_c, m.K_c, m.mu, m.beta, m.n_c, self.omega0)
+        return (m.E, m.alpha, m.f_t, m.f_s, m.f_c, m.K_c, m.mu, m.beta, m.n_c, self.omega0, *self._softening())
 
     def _run(
         self, strain: FloatArray, history: FloatArray, tangent: FloatArray, with_tangent: bool
