@@ -24,6 +24,7 @@ from fissura.results.pyvista_tools import screenshot
 from fissura.results.specimen_picture import plot_specimen
 from fissura.results.specimen_view import specimen_view
 from fissura.simulation import Simulation
+from small_pictures import save_small, scaled
 
 TEMPLATES = Path(str(files("fissura") / "templates"))
 COLUMNS, WIDTH = 3, 560
@@ -60,15 +61,8 @@ def with_platens(path: Path) -> None:
         place |= {"width": "20 mm", "platen": "glued"}
     case = case_from_dict(data | {"name": "four-point", "gravity": {"density": "2400 kg/m^3"}})
     screenshot(specimen_view(Simulation(case), off_screen=True), path)
-    shrink(path)
-
-
-def shrink(path: Path) -> None:
-    """Give a picture a palette, and say how large it is."""
     with Image.open(path) as picture:
-        small = picture.convert("RGB").quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
-    small.save(path, optimize=True)
-    say(f"{path}: {path.stat().st_size / 1e3:.0f} kB")
+        save_small(picture, path)
 
 
 def main() -> int:
@@ -91,18 +85,16 @@ def main() -> int:
             case.write_text(template.read_text(encoding="utf-8"), encoding="utf-8")
             plot_specimen(Simulation(load_case(case)), case.with_suffix(".png"))
             with Image.open(case.with_suffix(".png")) as picture:
-                height = round(WIDTH * picture.height / picture.width)
-                pictures.append(picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS))
+                pictures.append(scaled(picture, WIDTH))
     rows, height = -(-len(pictures) // COLUMNS), max(picture.height for picture in pictures)
     gallery = Image.new("RGB", (COLUMNS * WIDTH, rows * height), "white")
     for k, picture in enumerate(pictures):
         gallery.paste(picture, ((k % COLUMNS) * WIDTH, (k // COLUMNS) * height))
-    # Unlike a median cut, it keeps the colours of thin lines apart.
-    gallery.quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(found.picture, optimize=True)
-    say(f"{found.picture}: {len(pictures)} specimens, {found.picture.stat().st_size / 1e3:.0f} kB")
+    save_small(gallery, found.picture)
     with_platens(found.view)
     run(ROOT / "examples" / "beam_d100.toml").show(output=found.result)
-    shrink(found.result)
+    with Image.open(found.result) as picture:
+        save_small(picture, found.result)
     return 0
 
 

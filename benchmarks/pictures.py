@@ -21,7 +21,7 @@ from fissura.results import Result, compare
 from fissura.results.animation import animate
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.moments import plot_bodies, plot_moments
-from fissura.results.palette import palette_of, with_palette
+from small_pictures import save_small
 
 ROOT = Path(__file__).parents[1]
 IMAGES = ROOT / "docs" / "images"
@@ -66,13 +66,6 @@ def run(name: str, folder: Path, *, full: bool = False, **control: object) -> Pa
     return folder
 
 
-def shrink(path: Path, colours: int = 200) -> None:
-    """Give a PNG a palette: flat colours need no more, and it becomes a third as large."""
-    image = Image.open(path).convert("RGB")
-    with_palette(image, palette_of([image], colours)).save(path, optimize=True)
-    print(f"{path.name}: {path.stat().st_size / 1e3:.0f} kB")
-
-
 def time_pictures(folder: Path) -> None:
     start = time.process_time()
     plot_moments(folder, folder / "moments.png")
@@ -99,7 +92,8 @@ def main() -> None:
     plot_bodies(compare(adaptive, full), IMAGES / "beam_d200_bodies.png")
     plot_moments(unnotched, IMAGES / "unnotched_moments.png", stress=True)
     for name in ("beam_d200_moments", "beam_d200_bodies", "unnotched_moments"):
-        shrink(IMAGES / f"{name}.png")
+        with Image.open(IMAGES / f"{name}.png") as picture:
+            save_small(picture, IMAGES / f"{name}.png")
     animation = IMAGES / "beam_d200_refinement.gif"
     frames, steps = animate(adaptive, animation, width=880), Result.load(adaptive).steps
     print(f"{animation.name}: {frames} frames of {steps} steps, {animation.stat().st_size / 1e3:.0f} kB")

@@ -19,6 +19,8 @@ from tempfile import TemporaryDirectory
 
 from PIL import Image
 
+from small_pictures import save_small, scaled
+
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "tutorial.md"
 
@@ -127,10 +129,7 @@ def draw(folder: Path) -> None:
     """Put the pictures of the page into the documentation."""
     for name, source in PICTURES.items():
         with Image.open(folder / source) as picture:
-            height = round(picture.height * _PICTURE_WIDTH / picture.width)
-            small = picture.convert("RGB").resize((_PICTURE_WIDTH, height), Image.Resampling.LANCZOS)
-        small = small.quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
-        small.save(PAGE.parent / "images" / name, optimize=True)
+            save_small(scaled(picture, _PICTURE_WIDTH), PAGE.parent / "images" / name)
 
 
 def main() -> int:

@@ -1,4 +1,5 @@
 import os
+import shutil
 import sys
 
 import numpy as np
@@ -93,19 +94,31 @@ def program(folder, body):
 def test_what_ffmpeg_is_given(folder, monkeypatch, tmp_path):
     program(tmp_path, "open(sys.argv[-1], 'w').write(f'{len(sys.stdin.buffer.read())} ' + ' '.join(sys.argv))")
     monkeypatch.setenv("PATH", str(tmp_path))
-    animate(folder, folder / "x.mp4", fps=4, width=320)
+    animate(folder, folder / "x.mp4", fps=4, width=401)
     count, *arguments = (folder / "x.mp4").read_text().split()
     width, height = map(int, arguments[arguments.index("-s") + 1].split("x"))
-    assert width == 320
-    assert int(count) == 3 * width * height * (len(LOADS) + 1 + 6)  # the last one is held for 1.5 s
+    assert width == 400
+    assert height % 2 == 0
+    assert int(count) == 4 * width * height * (len(LOADS) + 1)  # red, green, blue and opacity
+    assert arguments[arguments.index("-framerate") + 1] == "4"
+    assert "stop_mode=clone:stop_duration=1.5" in arguments[arguments.index("-vf") + 1]  # the last one is held
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="needs ffmpeg")
+def test_a_film(folder):
+    animate(folder, folder / "real.mp4", fps=20, width=320)
+    film = (folder / "real.mp4").read_bytes()
+    assert film[4:8] == b"ftyp"
+    assert len(film) > 2000
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the stand-in is a script")
-def test_ffmpeg_may_fail(folder, monkeypatch, tmp_path):
+def test_ffmpeg_may_fail(folder, monkeypatch, tmp_path, caplog):
     program(tmp_path, "sys.stderr.write('first\\nno such codec\\n'); sys.exit(3)")
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="ffmpeg failed: no such codec"):
         animate(folder, folder / "y.mp4", width=320)
+    assert not caplog.records  # the error says it
     assert not [*folder.glob("y.*"), *(found for found in folder.glob(".*") if found.name != MARK)]
 
 
