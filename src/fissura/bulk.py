@@ -6,19 +6,21 @@ exactly for bulk averages. What is left to be known is Poisson's ratio as a func
 interpolated over the root of `alpha` by monotone cubics, which err by less than the table does. A table rather than
 structures made when they are needed: reading a case must take no time and give the same constants on every machine.
 
-This module needs nothing but the standard library, since cases are read with it.
+Cases are read with this module, so that SciPy is imported where it is needed and not before.
 """
 
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.resources import files
-from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from fissura.errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 __all__ = ["BulkLaw", "bulk_law", "voigt"]
 
@@ -26,23 +28,6 @@ __all__ = ["BulkLaw", "bulk_law", "voigt"]
 def voigt(alpha: float) -> tuple[float, float]:
     """Voigt's estimate of ``E_macro / E`` and Poisson's ratio: no fluctuations, all directions of contacts alike."""
     return (2.0 + 3.0 * alpha) / (4.0 + alpha), (1.0 - alpha) / (4.0 + alpha)
-
-
-def _slopes(x: tuple[float, ...], y: tuple[float, ...]) -> tuple[float, ...]:
-    """Slopes with which cubics between the points are monotone where the points are (Fritsch & Butland 1984)."""
-    width = [b - a for a, b in pairwise(x)]
-    steep = [(b - a) / w for (a, b), w in zip(pairwise(y), width, strict=True)]
-    inner = []
-    for (w, v), (d, e) in zip(pairwise(width), pairwise(steep), strict=True):
-        inner.append(3.0 * (w + v) / ((w + 2.0 * v) / d + (2.0 * w + v) / e) if d * e > 0.0 else 0.0)
-
-    def end(w: float, v: float, d: float, e: float) -> float:
-        slope = ((2.0 * w + v) * d - w * e) / (w + v)
-        if slope * d <= 0.0:
-            return 0.0
-        return 3.0 * d if d * e <= 0.0 and abs(slope) > 3.0 * abs(d) else slope
-
-    return (end(*width[:2], *steep[:2]), *inner, end(*width[:-3:-1], *steep[:-3:-1]))
 
 
 @dataclass(frozen=True)
@@ -64,9 +49,11 @@ class BulkLaw:
     error: tuple[float, ...]
 
     @cached_property
-    def _curve(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        x = tuple(map(math.sqrt, self.alpha))
-        return x, _slopes(x, self.nu)
+    def _curve(self) -> PchipInterpolator:
+        """Poisson's ratio over the root of `alpha`; it is monotone, as the table is."""
+        from scipy.interpolate import PchipInterpolator
+
+        return PchipInterpolator([math.sqrt(alpha) for alpha in self.alpha], self.nu)
 
     @property
     def range(self) -> tuple[float, float]:
@@ -74,14 +61,8 @@ class BulkLaw:
         return self.nu[-1], self.nu[0]
 
     def _value(self, x: float) -> float:
-        """Poisson's ratio at the root of `alpha`."""
-        places, slopes = self._curve
-        k = min(max(bisect_right(places, x) - 1, 0), len(places) - 2)
-        width = places[k + 1] - places[k]
-        t = (x - places[k]) / width
-        s = 1.0 - t
-        low = s * s * ((1.0 + 2.0 * t) * self.nu[k] + t * width * slopes[k])
-        return low + t * t * ((1.0 + 2.0 * s) * self.nu[k + 1] - s * width * slopes[k + 1])
+        """Poisson's ratio at the root of `alpha`, 0 at the end of the table without round-off."""
+        return self.nu[-1] if x >= math.sqrt(self.alpha[-1]) else float(self._curve(x))
 
     def macroscopic(self, E: float, alpha: float) -> tuple[float, float]:
         """Modulus of elasticity [Pa] and Poisson's ratio of the bulk.
@@ -123,15 +104,11 @@ class BulkLaw:
         least, most = self.range
         if not least <= nu <= most:
             raise InputError("nu", f"{nu:g} cannot be reached", self.allowed)
-        low, high = self._curve[0][0], self._curve[0][-1]
-        while True:
-            x = 0.5 * (low + high)
-            if not low < x < high:
-                break
-            low, high = (x, high) if self._value(x) > nu else (low, x)
-        # Of two neighbouring numbers the one that comes closer; both ends of the table are met exactly.
-        x = min((low, high), key=lambda place: abs(self._value(place) - nu))
-        alpha = self.alpha[-1] if x == self._curve[0][-1] else max(x * x, self.alpha[0])
+        from scipy.optimize import brentq
+
+        low, high = math.sqrt(self.alpha[0]), math.sqrt(self.alpha[-1])
+        x = brentq(lambda place: self._value(place) - nu, low, high, xtol=1e-16, rtol=1e-15)
+        alpha = self.alpha[-1] if x == high else max(x * x, self.alpha[0])
         return E / (1.0 - 2.0 * nu), alpha
 
     @property
