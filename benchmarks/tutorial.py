@@ -7,18 +7,16 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import shlex
 import subprocess
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
 from difflib import unified_diff
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from PIL import Image
 
+from blocks import blocks
 from small_pictures import save_small, scaled
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -36,25 +34,7 @@ PICTURES = {
 #: Rows that differ from run to run.
 VARY = ("time", "memory", "processor time")
 
-_BLOCK = re.compile(r'^```(?P<language>\w+)(?: title="(?P<title>\S+)")?\n(?P<text>.*?)^```$', re.M | re.DOTALL)
 _WIDEST, _PICTURE_WIDTH = 110, 1200
-
-
-@dataclass(frozen=True)
-class Block:
-    """A block of code on the page: what it is, the file that it is about, its text, and where the text stands."""
-
-    language: str
-    title: str | None
-    text: str
-    start: int
-    end: int
-
-
-def blocks(page: str) -> Iterator[Block]:
-    """All blocks of code, in their order."""
-    for found in _BLOCK.finditer(page):
-        yield Block(found["language"], found["title"], found["text"], *found.span("text"))
 
 
 def worked(page: str, folder: Path) -> str:
