@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
-from fissura.results import Recorder
-from fissura.results.history import FILE, HistoryWriter, read_history
+from fissura.results import Recorder, Result
+from fissura.results.history import FILE, read_history
 from fissura.results.section import outlines
 
 from .synthetic import random_points, simulation, snapshot, step, voronoi_structure
@@ -85,9 +85,16 @@ def test_every_run_that_ended_has_its_section(tmp_path, status):
     assert len(read_history(tmp_path)) == 1
 
 
-def test_nothing_is_kept_in_memory_without_a_folder(monkeypatch):
-    monkeypatch.setattr(HistoryWriter, "add", lambda *_: pytest.fail("was called"))
-    ended(None, [step(1, 1e-5, 10.0)])
+def test_runs_without_a_folder_keep_it_in_memory(tmp_path):
+    t = structure(60)
+    shots = [step(k, 1e-5 * k, 10.0, state(t, k)) for k in (1, 2)]
+    in_memory, written = ended(None, shots).frames, ended(tmp_path, shots)
+    assert [frame.gauge for frame in in_memory] == [1e-5, 2e-5]
+    for mine, other in zip(in_memory, Result.load(tmp_path).frames, strict=True):
+        assert (mine.number, mine.value, mine.load, mine.gauge) == (other.number, other.value, other.load, other.gauge)
+        for name in ("motion", "stress", "opening"):
+            np.testing.assert_array_equal(getattr(mine, name), getattr(other, name))
+    assert written.frames[0].section is written.frames[1].section
 
 
 def problem(folder):

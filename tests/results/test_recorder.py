@@ -277,7 +277,7 @@ def test_recording_costs_the_same_at_every_step(tmp_path, monkeypatch):
     monkeypatch.setattr(recorder_module, "write_summary", lambda path, summary: written.append(summary["steps"]))
     monkeypatch.setattr(recorder_module.time, "monotonic", lambda: next(now))  # a summary for every step
     recorder = Recorder(simulation(vtk=0), tmp_path)
-    recorder._history = SimpleNamespace(add=lambda _: None, write=lambda _: None)
+    recorder._history = SimpleNamespace(add=lambda _: None, write=lambda _: None, frames=())
     for step in steps([100.0] * 200):
         recorder.add(step)
     assert written == list(range(201))

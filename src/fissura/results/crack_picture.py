@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Rectangle
+from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from fissura.results import quantities as text
 from fissura.results.front import rims, seen
 from fissura.results.lettering import may_shrink, save
+from fissura.results.panels import bar_beside, kinds_above
 from fissura.results.path import NAMES
 from fissura.results.pictures import DPI, INK, headline, tidy
 from fissura.results.plotting import new_axes
@@ -96,19 +96,9 @@ def plot_crack(result: Result, path: Path) -> None:
             )
         )
         may_shrink(second.set_title("cracked zone", loc="left", fontsize=9, color=INK))
-        _bar(second, view)
+        bar_beside(second, HEAT, view.norm, "crack opening [µm]")
     _draw(first, view, whole, 1.0)
-    second.legend(
-        handles=[Patch(facecolor=c, edgecolor=EDGE, label=n) for c, n in ((FINE, "fine"), (COARSE, "coarse"))],
-        loc="lower right",
-        bbox_to_anchor=(1.0, 1.0),
-        borderaxespad=0.2,
-        ncols=2,
-        fontsize=9,
-        labelcolor=INK,
-        frameon=False,
-        handlelength=1.2,
-    )
+    kinds_above(second, [(FINE, EDGE, "fine"), (COARSE, EDGE, "coarse")])
     # Beside another panel both lines stand above its title, so that they have the whole width.
     _titles(first, result, raised=14.0 if zone is not None and beside else 0.0)
     save(figure, path, DPI)
@@ -122,7 +112,7 @@ def crack_axes(result: Result, ax: Axes | None) -> Axes:
         ax = new_axes((WIDE, _height(whole)))
         _titles(ax, result, raised=0.0)
     if len(view.openings):
-        _bar(ax, view)
+        bar_beside(ax, HEAT, view.norm, "crack opening [µm]")
     _draw(ax, view, whole, 1.0)
     return ax
 
@@ -132,14 +122,6 @@ def _whole(view: View) -> FloatArray:
     points = np.concatenate(view.outline)
     low, high = points.min(axis=0), points.max(axis=0)
     return _window(low, high, 0.03 * (high - low).max(), 0.0, np.inf)
-
-
-def _bar(axes: Axes, view: View) -> None:
-    """Colour bar of the openings beside axes."""
-    bar = axes.figure.colorbar(ScalarMappable(view.norm, HEAT), ax=axes, pad=0.02, fraction=0.05, aspect=28)
-    bar.set_label("crack opening [µm]", color=INK)
-    bar.ax.tick_params(colors=INK, labelsize=9)
-    bar.outline.set_visible(False)
 
 
 def _view(snapshot: Snapshot) -> View:

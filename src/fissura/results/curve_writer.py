@@ -77,4 +77,4 @@ class CurveWriter:
 def _written(name: str, value: float | str) -> str:
     if isinstance(value, str):
         return value
-    return str(int(value)) if name in COUNTS else f"{value:.12g}"
+    return str(int(value)) if name in COUNTS else repr(float(value))

@@ -6,7 +6,7 @@ its lines are the same on all steps of a discretization, and a picture needs sin
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -52,6 +52,8 @@ class Frame:
         Largest principal stress of each body [Pa].
     opening : (c,) float32 array
         Crack opening of the contacts that the section cuts [m].
+    gauge : float
+        Gauge [m].
     """
 
     number: int
@@ -62,6 +64,7 @@ class Frame:
     motion: FloatArray32
     stress: FloatArray32
     opening: FloatArray32
+    gauge: float = 0.0
 
 
 class HistoryWriter:
@@ -71,43 +74,48 @@ class HistoryWriter:
     ----------
     z : float
         Where the plane is [m].
+    frames : iterable of Frame, optional
+        Steps that it begins with.
     """
 
-    def __init__(self, z: float) -> None:
+    def __init__(self, z: float, frames: Iterable[Frame] = ()) -> None:
         self._z = z
         self._tessellation: Tessellation | None = None
         self._rows = Rows(np.empty(0, np.int64), np.empty(0, np.int64))
-        self._sections: list[Section] = []
-        self._steps: list[tuple[int, float, float, float, int, int]] = []
-        self._fields: dict[str, list[NDArray[Any]]] = {"motion": [], "stress": [], "crack": [], "opening": []}
+        self._frames = list(frames)
 
     def start(self, tessellation: Tessellation) -> None:
         """Take the unloaded structure as step 0."""
-        bodies = len(self._cut(tessellation).bodies)
-        nothing = np.empty(0, np.int64)
-        self._add((0, 0.0, 0.0, 0.0), np.zeros((bodies, 3)), np.zeros(bodies), nothing, nothing)
+        section = self._cut(tessellation)
+        bodies, lines = len(section.nucleus), section.contacts
+        fields = (np.zeros((bodies, 3)), np.zeros(bodies), np.zeros(lines))
+        self._add((0, 0.0, 0.0, 0.0), len(tessellation), section, *fields)
 
     def add(self, step: Step) -> None:
         """Take an accepted step."""
         snapshot = step.snapshot
-        rows = self._cut(snapshot.tessellation)
-        opening = snapshot.opening[rows.contacts]
-        open_ = np.flatnonzero(opening > 0.0)
+        section, rows = self._cut(snapshot.tessellation), self._rows
         stress = np.linalg.eigvalsh(snapshot.stress[rows.bodies])[:, -1]
-        values = (step.number, step.gauge, step.controlled, step.load)
-        self._add(values, self._motion(snapshot, rows), stress, open_, opening[open_])
+        values = (step.number, step.controlled, step.load, step.gauge)
+        fields = (self._motion(snapshot, rows), stress, snapshot.opening[rows.contacts])
+        self._add(values, len(snapshot.tessellation), section, *fields)
 
     @property
     def steps(self) -> int:
         """Steps so far, the unloaded structure included."""
-        return len(self._steps)
+        return len(self._frames)
+
+    @property
+    def frames(self) -> tuple[Frame, ...]:
+        """All of them."""
+        return tuple(self._frames)
 
     def write(self, path: Path, first: int = 0) -> None:
         """Write everything, or steps from a first one on; the arrays are documented in ``docs/files.md``."""
-        begun = 0 if first == 0 else self._steps[first - 1][-1] + 1  # sections that earlier parts have
-        sections, chosen = self._sections[begun:], self._steps[first:]
-        number, gauge, controlled, load, bodies, which = (np.array(values) for values in zip(*chosen, strict=True))
-        fields = {name: values[first:] for name, values in self._fields.items()}
+        sections, which = _numbered([frame.section for frame in self._frames])
+        begun = 0 if first == 0 else which[first - 1] + 1  # sections that earlier parts have
+        new, chosen = sections[begun:], self._frames[first:]
+        cracks = [np.flatnonzero(frame.opening > 0.0).astype(np.int32) for frame in chosen]
         write_archive(
             path,
             FORMAT,
@@ -115,20 +123,23 @@ class HistoryWriter:
             {
                 "z": self._z,
                 "sections.first": begun,
-                "sections.nucleus": _joined([s.nucleus for s in sections], np.empty(0, np.int64)),
-                "sections.fine": _joined([s.fine for s in sections], np.empty(0, np.bool_)),
-                "sections.lines": _joined([s.lines for s in sections], np.empty((0, 2, 2), np.float32)),
-                "sections.sides": _joined([s.sides for s in sections], np.empty((0, 2), np.int32)),
-                "sections.body_offsets": _offsets(s.nucleus for s in sections),
-                "sections.line_offsets": _offsets(s.lines for s in sections),
-                "steps.number": number,
-                "steps.gauge": gauge,
-                "steps.controlled": controlled,
-                "steps.load": load,
-                "steps.bodies": bodies,
-                "steps.section": which,
-                "steps.crack_offsets": _offsets(fields["crack"]),
-                **{name: np.concatenate(values) for name, values in fields.items()},
+                "sections.nucleus": _joined([s.nucleus for s in new], np.empty(0, np.int64)),
+                "sections.fine": _joined([s.fine for s in new], np.empty(0, np.bool_)),
+                "sections.lines": _joined([s.lines for s in new], np.empty((0, 2, 2), np.float32)),
+                "sections.sides": _joined([s.sides for s in new], np.empty((0, 2), np.int32)),
+                "sections.body_offsets": _offsets(s.nucleus for s in new),
+                "sections.line_offsets": _offsets(s.lines for s in new),
+                "steps.number": np.array([frame.number for frame in chosen]),
+                "steps.gauge": np.array([frame.gauge for frame in chosen]),
+                "steps.controlled": np.array([frame.value for frame in chosen]),
+                "steps.load": np.array([frame.load for frame in chosen]),
+                "steps.bodies": np.array([frame.bodies for frame in chosen]),
+                "steps.section": np.array(which[first:]),
+                "steps.crack_offsets": _offsets(cracks),
+                "motion": np.concatenate([frame.motion for frame in chosen]),
+                "stress": np.concatenate([frame.stress for frame in chosen]),
+                "crack": np.concatenate(cracks),
+                "opening": np.concatenate([f.opening[some] for f, some in zip(chosen, cracks, strict=True)]),
             },
         )
 
@@ -152,51 +163,35 @@ class HistoryWriter:
         for path in paths:
             arrays = read_archive(path, FORMAT, FORMAT_VERSION)
             try:
-                self._take(arrays, steps)
+                known = _numbered([frame.section for frame in self._frames])[0]
+                found = _frames(arrays, known)
             except (KeyError, IndexError, TypeError, ValueError) as error:
                 raise InputError(str(path), f"is damaged ({error})", "the files of the run as it left them") from None
-        if self.steps != steps:
+            self._frames += [frame for frame in found if self.steps <= frame.number < steps]
+        if [frame.number for frame in self._frames] != list(range(steps)):
             raise InputError(
                 str(path), f"has sections of {self.steps - 1} steps", f"those of {steps - 1}; or --overwrite"
             )
         self._tessellation, self._rows = tessellation, cut(tessellation, self._z)[1]
 
-    def _take(self, arrays: dict[str, NDArray[Any]], steps: int) -> None:
-        """Take steps that are not there yet."""
-        first = int(arrays["sections.first"])
-        sections = _sections_of(arrays)
-        which, numbers = arrays["steps.section"], arrays["steps.number"]
-        cracks, body = arrays["steps.crack_offsets"], 0
-        known = dict(enumerate(self._sections)) | {first + k: section for k, section in enumerate(sections)}
-        for k, number in enumerate(numbers.tolist()):
-            own = slice(body, body + len(known[int(which[k])].nucleus))
-            body, some = own.stop, slice(cracks[k], cracks[k + 1])
-            if number != self.steps or number >= steps:
-                continue
-            if which[k] == len(self._sections):
-                self._sections.append(known[int(which[k])])
-            values = (arrays[f"steps.{name}"][k].item() for name in ("gauge", "controlled", "load", "bodies"))
-            self._steps.append((number, *values, int(which[k])))
-            for name, part in (("motion", own), ("stress", own), ("crack", some), ("opening", some)):
-                self._fields[name].append(arrays[name][part])
-
-    def _cut(self, tessellation: Tessellation) -> Rows:
-        if tessellation is not self._tessellation:
-            section, self._rows = cut(tessellation, self._z)
-            self._tessellation = tessellation
-            self._sections.append(section)
-        return self._rows
+    def _cut(self, tessellation: Tessellation) -> Section:
+        if tessellation is self._tessellation and self._frames:
+            return self._frames[-1].section
+        section, self._rows = cut(tessellation, self._z)
+        self._tessellation = tessellation
+        return section
 
     def _motion(self, snapshot: Snapshot, rows: Rows) -> NDArray[np.float64]:
         x, u = snapshot.tessellation.x[rows.bodies], snapshot.displacement[rows.bodies]
         height, (rx, ry, rz) = self._z - x[:, 2], u[:, 3:].T
         return np.stack([u[:, 0] + ry * height + rz * x[:, 1], u[:, 1] - rx * height - rz * x[:, 0], rz], axis=1)
 
-    def _add(self, step: tuple[int, float, float, float], *fields: NDArray[Any]) -> None:
-        assert self._tessellation is not None
-        self._steps.append((*step, len(self._tessellation), len(self._sections) - 1))
-        for (name, values), field in zip(self._fields.items(), fields, strict=True):
-            values.append(field.astype(np.int32 if name == "crack" else np.float32))
+    def _add(
+        self, values: tuple[int, float, float, float], bodies: int, section: Section, *fields: NDArray[Any]
+    ) -> None:
+        number, controlled, load, gauge = values
+        motion, stress, opening = (field.astype(np.float32) for field in fields)
+        self._frames.append(Frame(number, controlled, load, bodies, section, motion, stress, opening, gauge))
 
 
 def read_history(folder: str | Path) -> tuple[Frame, ...]:
@@ -236,8 +231,10 @@ def read_history(folder: str | Path) -> tuple[Frame, ...]:
         raise InputError(str(path), f"is damaged ({error})") from None
 
 
-def _frames(arrays: dict[str, NDArray[Any]]) -> tuple[Frame, ...]:
-    sections = _sections_of(arrays)
+def _frames(arrays: dict[str, NDArray[Any]], known: Sequence[Section] = ()) -> tuple[Frame, ...]:
+    """Steps in a file; sections of earlier parts are known."""
+    first = int(arrays.get("sections.first", np.int64(0)))
+    sections = [*known[:first], *_sections_of(arrays)]
     frames, body = [], 0
     controlled = arrays.get("steps.controlled", arrays["steps.gauge"])  # earlier files have only what was controlled
     cracks = arrays["steps.crack_offsets"]
@@ -256,10 +253,18 @@ def _frames(arrays: dict[str, NDArray[Any]]) -> tuple[Frame, ...]:
                 arrays["motion"][own],
                 arrays["stress"][own],
                 opening,
+                float(arrays["steps.gauge"][k]),
             )
         )
         body = own.stop
     return tuple(frames)
+
+
+def _numbered(sections: Sequence[Section]) -> tuple[list[Section], list[int]]:
+    """The sections in their order, each once, and which one each of these is."""
+    numbers: dict[int, int] = {}
+    which = [numbers.setdefault(id(section), len(numbers)) for section in sections]
+    return [sections[which.index(k)] for k in range(len(numbers))], which
 
 
 def _sections_of(arrays: dict[str, NDArray[Any]]) -> list[Section]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import Colormap, Normalize
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from fissura.results.result import Result
 
-__all__ = ["draw_curve", "draw_scales"]
+__all__ = ["bar_beside", "draw_curve", "draw_scales", "kinds_above"]
 
 
 def draw_curve(axes: Axes, result: Result) -> None:
@@ -101,4 +102,27 @@ def draw_scales(axes: Axes, look: Look, *, full: bool, wide: bool = False) -> No
         color=INK,
         ha="right" if wide else "left",
         va="center",
+    )
+
+
+def bar_beside(axes: Axes, colours: Colormap, norm: Normalize, label: str) -> None:
+    """Colour bar on the right of axes."""
+    bar = axes.figure.colorbar(ScalarMappable(norm, colours), ax=axes, pad=0.02, fraction=0.05, aspect=28)
+    bar.set_label(label, color=INK)
+    bar.ax.tick_params(colors=INK, labelsize=9)
+    bar.outline.set_visible(False)
+
+
+def kinds_above(axes: Axes, kinds: Iterable[tuple[str, str, str]]) -> None:
+    """Legend above axes, flush right, by colour of the faces and of the edges, and name."""
+    axes.legend(
+        handles=[Patch(facecolor=face, edgecolor=edge, label=name) for face, edge, name in kinds],
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        borderaxespad=0.2,
+        ncols=2,
+        fontsize=9,
+        labelcolor=INK,
+        frameon=False,
+        handlelength=1.2,
     )

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fissura.errors import InputError
-from fissura.files import write_atomically, write_json
 from fissura.folder import Folder
 from fissura.interrupts import shielded
 from fissura.results.chosen import ChosenStates
@@ -18,7 +17,8 @@ from fissura.results.curve_writer import CurveWriter
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.result import Result
 from fissura.results.saving import CheckpointWriter
-from fissura.results.state import write_state
+from fissura.results.state import LAST, write_state
+from fissura.results.storing import draw_pictures, write_case
 from fissura.results.summary import build_summary, peak_memory, write_summary
 
 if TYPE_CHECKING:
@@ -73,6 +73,8 @@ class Recorder:
         self._curve: CurveWriter | None = None
         self._saving: CheckpointWriter | None = None
         self._history = HistoryWriter(float(simulation.domain.bounds[:, 2].mean()))
+        if begun is None and (start := getattr(simulation, "tessellation", None)) is not None:
+            self._history.start(start)
         if folder is not None:
             try:
                 self._open(folder, begun)
@@ -93,10 +95,10 @@ class Recorder:
             due = self._states.due(self._last, step.done)
             if due:
                 self._snapshots[step.number] = step.snapshot
+            self._history.add(step)
             if self._curve is None:
                 return
             # Nothing is written before all of this is in memory: what fails to be written is still to be resumed.
-            self._history.add(step)
             if self._saving is not None and state is not None:
                 self._saving.add(state, highest=highest)
             self._curve.write(values)
@@ -137,6 +139,7 @@ class Recorder:
             summary=self._summary(status, message),
             snapshots=dict(sorted(self._snapshots.items())),
             folder=self._path,
+            sections=self._history.frames,
         )
         for warning in result.summary["warnings"]:
             logger.warning(warning)
@@ -173,7 +176,7 @@ class Recorder:
                 if moment is not None:
                     self._states.write(moment)
             if self._last is not None:
-                write_state(self._own("state_last.npz"), self._last)
+                write_state(self._own(LAST), self._last)
                 self._history.write(self._own(FILE))
         except BaseException:
             with suppress(OSError):
@@ -182,22 +185,8 @@ class Recorder:
         self._write_checkpoint(written, at_end=True)
 
     def _draw(self, result: Result) -> None:
-        if self._last is None:
-            return
-        from fissura.results.crack_picture import plot_crack
-        from fissura.results.lettering import attempted
-        from fissura.results.pictures import plot_curve
-
-        attempted("crack.png", lambda: plot_crack(result, self._own("crack.png")))
-        case, field = result.case, getattr(self._simulation, "field", None)
-        if case.field is not None and field is not None:
-            from fissura.results.field_picture import plot_field
-
-            part, domain, structure = case.field, self._simulation.domain, result.last.tessellation
-            attempted(
-                "field.png", lambda: plot_field(field, part, domain, structure, self._own("field.png"), case.name)
-            )
-        attempted("curve.png", lambda: plot_curve(result, self._own("curve.png")))
+        if self._last is not None:
+            draw_pictures(result, self._simulation.domain, getattr(self._simulation, "field", None), self._own)
 
     def _open(self, folder: Path, begun: Begun | None) -> None:
         """Begin to write, or go on with it."""
@@ -206,12 +195,7 @@ class Recorder:
         self._folder = Folder.begun(folder, "run") if begun is None else Folder.kept(folder, "run")
         if begun is not None:
             self._resume(folder, begun)
-        elif (start := getattr(self._simulation, "tessellation", None)) is not None:
-            self._history.start(start)
-        source = getattr(case, "source", None)
-        if isinstance(source, str):
-            write_atomically(self._own("case.toml"), source.encode(errors="replace"))
-        write_json(self._own("case.json"), case.model_dump(mode="json", exclude={"source"}))
+        write_case(case, self._own)
         names = (*COLUMNS, *case_columns(case))
         curve = None if begun is None else begun.checkpoint.curve
         self._curve = CurveWriter(self._own("curve.csv"), names, curve)

@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fissura.errors import InputError
-from fissura.results.curve import COLUMN_OF, COLUMNS, Curve, read_curve
-from fissura.results.state import read_state
+from fissura.results.curve import COLUMNS, Curve, read_curve
+from fissura.results.numbers import Numbers
+from fissura.results.state import read_states
 from fissura.results.summary import curve_numbers, read_summary, result_folder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from fissura.case import Case, Quantity
+    from fissura.case import Case
+    from fissura.results.history import Frame
     from fissura.step import Snapshot
 
 __all__ = ["Result"]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Result:
+class Result(Numbers):
     """Results of one run.
 
     Attributes
@@ -39,10 +38,12 @@ class Result:
     summary : dict
         Content of ``summary.json``.
     snapshots : dict of int to Snapshot
-        States by step number: those chosen for ParaView, that of the peak load, and the last. A reloaded
-        result has the last one only.
+        States by step number: those chosen for ParaView, that of the peak load, and the last. Results of a folder that
+        a run has written have the last one only; `save` writes all.
     folder : Path or None
         Where the files are; None when nothing was written.
+    sections : tuple of Frame
+        What `frames` gives for a run of this process; empty where the results were read from a folder.
     """
 
     case: Case
@@ -51,18 +52,34 @@ class Result:
     summary: dict[str, Any]
     snapshots: dict[int, Snapshot]
     folder: Path | None = None
+    sections: tuple[Frame, ...] = ()
 
     @classmethod
     def load(cls, folder: str | Path) -> Result:
-        """Read a result folder.
+        """Read a result folder, such as `fissura.run` and `save` leave it.
 
         A run that was killed before its end can be loaded too; its status is ``"running"`` and it has no
         snapshots.
+
+        Parameters
+        ----------
+        folder : path
+            The folder.
+
+        Returns
+        -------
+        Result
+            What was in it. Of the states, the last one is there, and those of other steps that `save` has written.
 
         Raises
         ------
         InputError
             There is no such folder, or a file in it is missing or broken.
+
+        Examples
+        --------
+        >>> Result.load(folder).status
+        'finished'
         """
         from fissura.case import case_from_dict
         from fissura.case.load import read_json
@@ -77,66 +94,62 @@ class Result:
             raise InputError(str(folder / "curve.csv"), problem, "files of one run")
         path = folder / "case.json"
         data = read_json(path, "the case.json of a Fissura run")
-        state = folder / "state_last.npz"
-        snapshots = dict([read_state(state)]) if state.exists() else {}
         try:
             case = case_from_dict(data, folder, files_exist=False)
         except InputError as error:
             raise InputError(f"{path}: {error.key}", error.problem, error.allowed) from None
-        return cls(case, bool(summary.get("full")), curve, summary, snapshots, folder)
+        return cls(case, bool(summary.get("full")), curve, summary, read_states(folder), folder)
 
-    @property
-    def gauge(self) -> NDArray[np.float64]:
-        """Gauge at every step [m], or displacement of the load where the case has no gauge; shape (steps,)."""
-        return self.curve["gauge_m"].astype(np.float64)
+    def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """Write a result folder: the one that ``fissura run`` writes, which `load` and all commands read.
 
-    @property
-    def controlled(self) -> NDArray[np.float64]:
-        """Controlled quantity at every step [m], shape (steps,); it turns back where there is snap-back.
+        Results in memory are written as the run would have written them. Those of a folder are copied from there, with
+        the checkpoint, so that the copy can be resumed, too. States that are only in memory are written beside the last
+        one as ``state_NNNN.npz``, so that `load` gives back the same numbers, bit for bit.
 
-        It is the gauge or the displacement of the load, as `Case.quantity` says.
+        Parameters
+        ----------
+        path : path
+            Folder; made if needed.
+        overwrite : bool, optional
+            Whether it may hold an earlier run, whose files are replaced; nothing else in it is touched.
+
+        Returns
+        -------
+        Path
+            The folder.
+
+        Raises
+        ------
+        InputError
+            The folder holds something else, or is that of these results, or a run is writing in either.
+        OSError
+            A file cannot be written.
+
+        Examples
+        --------
+        >>> folder = result.save("results/beam")
+        >>> Result.load(folder).peak_load == result.peak_load
+        True
         """
-        return self.values_of(self.case.quantity)
+        from fissura.results.storing import stored
 
-    def values_of(self, quantity: Quantity) -> NDArray[np.float64]:
-        """Gauge, or displacement of the load, at every step [m], shape (steps,)."""
-        return self.curve[COLUMN_OF[quantity]].astype(np.float64)
+        return stored(self, path, overwrite=overwrite)
 
-    @property
-    def load_values(self) -> NDArray[np.float64]:
-        """Load at every step [N], shape (steps,)."""
-        return self.curve["load_N"].astype(np.float64)
+    @cached_property
+    def frames(self) -> tuple[Frame, ...]:
+        """The section in the middle of the specimen at every step that pictures are made of; step 0 is unloaded.
 
-    @property
-    def led_by_energy(self) -> NDArray[np.bool_]:
-        """Whether dissipated energy led in a step, shape (steps,); never in files of before there was that choice."""
-        led = self.curve.get("control")
-        return np.zeros(self.steps, dtype=np.bool_) if led is None else led == "dissipation"
+        Raises
+        ------
+        InputError
+            The folder has no such file, because the run has not ended or an earlier version wrote it.
+        """
+        if self.sections or self.folder is None:
+            return self.sections
+        from fissura.results.history import read_history
 
-    @property
-    def steps(self) -> int:
-        """Number of accepted steps."""
-        return len(self.curve["step"])
-
-    @property
-    def peak_load(self) -> float:
-        """Load of largest magnitude, with its sign [N]; nan without steps."""
-        return self.number("peak_load_N")
-
-    @property
-    def gauge_at_peak(self) -> float:
-        """Gauge at the peak load [m]; nan without steps."""
-        return self.number("gauge_at_peak_m")
-
-    @property
-    def dissipated_energy(self) -> float:
-        """Energy dissipated by the contacts until the last step [J]; nan without steps."""
-        return self.number("dissipated_energy_J")
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Load per gauge of the first elastic solution [N/m]; nan without steps."""
-        return self.number("initial_stiffness_N_per_m")
+        return read_history(self.folder)
 
     @property
     def last(self) -> Snapshot:
@@ -214,6 +227,41 @@ class Result:
         from fissura.results.crack_picture import crack_axes
 
         return crack_axes(self, ax)
+
+    def plot_bodies(
+        self, step: int | None = None, ax: Axes | None = None, *, stress: bool = False, magnify: float | None = None
+    ) -> Axes:
+        """Draw bodies and cracks in the middle of the specimen at any step, looking along z, in mm.
+
+        Parameters
+        ----------
+        step : int, optional
+            Number of the step, 0 for the unloaded specimen; by default the last one.
+        ax : matplotlib Axes, optional
+            Where; by default those of a new figure, with a title and with what the colours mean.
+        stress : bool, optional
+            Colour bodies by their largest principal stress instead of showing which are fine.
+        magnify : float, optional
+            Factor on displacements; by default a round number such that the largest is a few per cent of the specimen.
+
+        Returns
+        -------
+        matplotlib Axes
+            Where it was drawn.
+
+        Raises
+        ------
+        InputError
+            There is no such step, or the folder has no sections.
+
+        Examples
+        --------
+        >>> ax = result.plot_bodies()
+        >>> ax = result.plot_bodies(step=3, stress=True, magnify=1.0)
+        """
+        from fissura.results.bodies_picture import bodies_axes
+
+        return bodies_axes(self, step, ax, stress=stress, magnify=magnify)
 
     def to_dataframe(self) -> Any:
         """The curve as a ``pandas.DataFrame``, one row per step in SI units, steps as its index.
@@ -296,11 +344,6 @@ class Result:
         from fissura.results.html import result_html
 
         return result_html(self)
-
-    def number(self, key: str) -> float:
-        """A number of the summary; nan where there is none."""
-        value = self.summary.get(key)
-        return math.nan if value is None else float(value)
 
     def __repr__(self) -> str:
         rows = self.table()

@@ -1,4 +1,4 @@
-"""The last converged state as ``state_last.npz``, to be looked at again without running."""
+"""States as ``.npz``, to be looked at again without running: the last one, and others that were saved."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Te
 if TYPE_CHECKING:
     from fissura.step import Moment, Snapshot, Step
 
-__all__ = ["FORMAT", "FORMAT_VERSION", "read_state", "write_state"]
+__all__ = ["FORMAT", "FORMAT_VERSION", "LAST", "read_state", "read_states", "state_file", "write_state"]
+
+LAST = "state_last.npz"
+"""Name of the file of the last state."""
 
 FORMAT = "fissura-state"
 FORMAT_VERSION = 1
@@ -93,6 +96,24 @@ def read_state(path: str | Path) -> tuple[int, Snapshot]:
         raise InputError(key, f"lacks the array {error}", allowed) from None
     except (IndexError, TypeError, ValueError) as error:
         raise InputError(key, f"is damaged ({error})", allowed) from None
+
+
+def state_file(number: int) -> str:
+    """Name of the file of a step that is not the last one."""
+    return f"state_{number:04d}.npz"
+
+
+def read_states(folder: Path) -> dict[int, Snapshot]:
+    """Read all states in a folder, by the numbers of their steps.
+
+    Raises
+    ------
+    InputError
+        A file is damaged or newer than this version of Fissura.
+    """
+    named = sorted(path for path in folder.glob("state_*.npz") if path.stem.removeprefix("state_").isdecimal())
+    found = dict(read_state(path) for path in (*named, folder / LAST) if path.exists())
+    return dict(sorted(found.items()))
 
 
 def _part(arrays: dict[str, Any], prefix: str, names: tuple[str, ...]) -> dict[str, Any]:

@@ -1,0 +1,123 @@
+"""Writing a result folder as a whole: from results in memory, or from another folder."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fissura.errors import InputError
+from fissura.files import write_atomically, write_json
+from fissura.folder import Folder, prepare_folder
+from fissura.lock import locked
+from fissura.results.curve_writer import CurveWriter
+from fissura.results.history import FILE, HistoryWriter
+from fissura.results.lettering import attempted
+from fissura.results.state import LAST, state_file, write_state
+from fissura.results.summary import result_folder, write_summary
+from fissura.step import Moment
+
+if TYPE_CHECKING:
+    from fissura.case import Case
+    from fissura.material.field import RandomField
+    from fissura.results.result import Result
+    from fissura.specimen import Domain
+
+__all__ = ["draw_pictures", "stored", "write_case"]
+
+Own = Callable[..., Path]
+"""Takes names of files that are about to be written, and gives the path of the first one."""
+
+_SUMMARY = "summary.json"
+
+
+def write_case(case: Case, own: Own) -> None:
+    """Write a case: its text, where it was read from a file, and all its values."""
+    source = getattr(case, "source", None)
+    if isinstance(source, str):
+        write_atomically(own("case.toml"), source.encode(errors="replace"))
+    write_json(own("case.json"), case.model_dump(mode="json", exclude={"source"}))
+
+
+def draw_pictures(result: Result, domain: Domain, field: RandomField | None, own: Own) -> None:
+    """Draw the curve, the crack and the random field of a run with steps; one that fails is a warning."""
+    from fissura.results.crack_picture import plot_crack
+    from fissura.results.pictures import plot_curve
+
+    attempted("crack.png", lambda: plot_crack(result, own("crack.png")))
+    part = result.case.field
+    if part is not None and field is not None:
+        from fissura.results.field_picture import plot_field
+
+        structure, name = result.last.tessellation, result.case.name
+        attempted("field.png", lambda: plot_field(field, part, domain, structure, own("field.png"), name))
+    attempted("curve.png", lambda: plot_curve(result, own("curve.png")))
+
+
+def stored(result: Result, path: str | Path, *, overwrite: bool) -> Path:
+    """Write a result folder; see `Result.save`."""
+    target = Path(path)
+    if result.folder is not None and target.exists() and target.samefile(result.folder):
+        raise InputError("path", f"{path} is the folder of these results", "another folder")
+    target = prepare_folder(target, "run", overwrite=overwrite)
+    with locked(target):
+        if result.folder is None:
+            _written(result, Folder.begun(target, "run"))
+        else:
+            source = result_folder(result.folder)
+            with locked(source if result.status == "running" else None):
+                _copied(result, Folder(source), Folder.begun(target, "run"))
+    return target
+
+
+def _written(result: Result, folder: Folder) -> None:
+    """Write what is in memory, the summary last, as runs do."""
+    from fissura.material import field_from_case
+    from fissura.results.chosen import ChosenStates
+    from fissura.specimen import domain_from_case
+
+    own, case, domain = _owner(folder), result.case, domain_from_case(result.case)
+    write_case(case, own)
+    CurveWriter(own("curve.csv"), tuple(result.curve), result.curve).close()
+    states = ChosenStates(case, folder.path, own)
+    for moment in _moments(result):
+        states.write(moment)
+        write_state(own(LAST if moment.number == result.steps else state_file(moment.number)), moment)
+    if result.sections:
+        HistoryWriter(float(domain.bounds[:, 2].mean()), result.sections).write(own(FILE))
+    if result.snapshots:
+        draw_pictures(result, domain, field_from_case(case), own)
+    write_summary(own(_SUMMARY), result.summary)
+
+
+def _copied(result: Result, source: Folder, folder: Folder) -> None:
+    """Copy the files of a run, and write states that are in memory only."""
+    own = _owner(folder)
+    names = [name for name in source.names() if (source.path / name).is_file()]
+    for name in sorted(names, key=lambda name: name == _SUMMARY):
+        target = own(name)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(source.path / name, target)
+    for moment in _moments(result):
+        if moment.number != result.steps and not (folder.path / state_file(moment.number)).exists():
+            write_state(own(state_file(moment.number)), moment)
+
+
+def _moments(result: Result) -> list[Moment]:
+    """The states in memory."""
+    curve, values = result.curve, result.controlled
+    rows = {int(number): k for k, number in enumerate(curve["step"])}
+    return [
+        Moment(number, float(curve["gauge_m"][k]), float(curve["load_N"][k]), float(values[k]), snapshot)
+        for number, snapshot in result.snapshots.items()
+        for k in [rows[number]]
+    ]
+
+
+def _owner(folder: Folder) -> Own:
+    def own(*names: str) -> Path:
+        folder.add(*names)
+        return folder.path / names[0]
+
+    return own
