@@ -19,8 +19,9 @@ import fissura
 from fissura.case import case_from_dict
 from fissura.results import Result, compare
 from fissura.results.animation import animate
+from fissura.results.comparison_files import save_bodies
 from fissura.results.history import FILE, HistoryWriter
-from fissura.results.moments import plot_bodies, plot_moments
+from fissura.results.moments import plot_moments
 from small_pictures import save_small
 
 ROOT = Path(__file__).parents[1]
@@ -89,7 +90,7 @@ def main() -> None:
     unnotched = run("unnotched_beam", folder / "unnotched_beam")
 
     plot_moments(adaptive, IMAGES / "beam_d200_moments.png")
-    plot_bodies(compare(adaptive, full), IMAGES / "beam_d200_bodies.png")
+    save_bodies(compare(adaptive, full), IMAGES / "beam_d200_bodies.png")
     plot_moments(unnotched, IMAGES / "unnotched_moments.png", stress=True)
     for name in ("beam_d200_moments", "beam_d200_bodies", "unnotched_moments"):
         with Image.open(IMAGES / f"{name}.png") as picture:

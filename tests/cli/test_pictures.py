@@ -22,7 +22,7 @@ def test_compare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     module = import_module("fissura.results.compare")  # the package has a function of the same name
 
     def comparison(plot: Callable[[Path], Any]) -> Any:
-        return lambda a, b: SimpleNamespace(table=lambda: [("peak load", "+1 %")], plot=plot)
+        return lambda a, b: SimpleNamespace(table=lambda: [("peak load", "+1 %")], save=plot)
 
     def full(path: Path) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
@@ -48,10 +48,10 @@ def test_compare_without_results(tmp_path: Path) -> None:
 
 
 def test_compare_bodies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    compared = SimpleNamespace(table=lambda: [("peak load", "+1 %")], plot=lambda path: path.write_text("x"))
+    compared = SimpleNamespace(table=lambda: [("peak load", "+1 %")], save=lambda path: path.write_text("x"))
     monkeypatch.setattr(import_module("fissura.results.compare"), "compare", lambda a, b: compared)
     drawn: list[Path] = []
-    monkeypatch.setattr("fissura.results.moments.plot_bodies", lambda comparison, path: drawn.append(path))
+    monkeypatch.setattr("fissura.results.comparison_files.save_bodies", lambda comparison, path: drawn.append(path))
     assert call("compare", "a", "b", "--bodies", "--plot", tmp_path / "p.pdf").exit_code == 0
     assert drawn == [tmp_path / "p_bodies.pdf"]
 

@@ -131,7 +131,7 @@ def test_pictures_are_over_the_common_quantity(tmp_path, monkeypatch):
 
     figures = []
     monkeypatch.setattr(pictures.Figure, "savefig", lambda figure, *_, **__: figures.append(figure))
-    compare_results(run(case()), run(changed("displacement", gauge=None), 2.0)).plot(tmp_path / "x.png")
+    compare_results(run(case()), run(changed("displacement", gauge=None), 2.0)).save(tmp_path / "x.png")
     upper, lower = figures[0].axes
     assert lower.get_xlabel() == "displacement of the load [µm]"
     np.testing.assert_allclose(upper.get_lines()[0].get_xdata(), [0.0, 5.0, 10.0, 15.0])

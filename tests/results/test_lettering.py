@@ -45,7 +45,7 @@ def test_every_picture_of_a_run_takes_every_name(tmp_path, latex):
     with rc_context({"text.usetex": latex}):
         plot_curve(result, tmp_path / "curve.png")
         plot_crack(result, tmp_path / "crack.png")
-        compare_results(result, result).plot(tmp_path / "compare.png")
+        compare_results(result, result).save(tmp_path / "compare.png")
     assert len(list(tmp_path.iterdir())) == 3
 
 

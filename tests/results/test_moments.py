@@ -1,18 +1,23 @@
+import matplotlib as mpl
 import matplotlib.image
 import numpy as np
 import pytest
+from matplotlib import pyplot
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from fissura.errors import InputError
 from fissura.results import Result, compare
+from fissura.results.comparison_files import save_bodies
 from fissura.results.history import read_history
-from fissura.results.moments import moments, plot_bodies, plot_moments
+from fissura.results.moments import moments, plot_moments
 from fissura.results.stage import COARSE, FINE, HEAT, Stage, look_of
 from fissura.results.symbols import symbols
 
 from .pictured import LOADS, record, share
 from .synthetic import case
+
+mpl.use("Agg")
 
 
 @pytest.fixture(autouse=True)
@@ -96,7 +101,7 @@ def test_magnification_is_round_and_bounded(folders):
 def test_pictures_of_one_and_of_two_runs(folders, tmp_path):
     plot_moments(folders / "adaptive", tmp_path / "m.png")
     plot_moments(folders / "adaptive", tmp_path / "s.png", stress=True)
-    plot_bodies(compare(folders / "adaptive", folders / "full"), tmp_path / "b.png")
+    save_bodies(compare(folders / "adaptive", folders / "full"), tmp_path / "b.png")
     sizes, stress, both = (matplotlib.image.imread(tmp_path / f"{name}.png") for name in "msb")
     assert share(sizes, FINE) > 0.05
     assert share(sizes, COARSE) > 0.05
@@ -104,16 +109,33 @@ def test_pictures_of_one_and_of_two_runs(folders, tmp_path):
     assert share(both[: both.shape[0] // 2, both.shape[1] // 2 :], COARSE) < 0.002
 
 
-def test_runs_in_memory_have_no_section(folders):
-    result = record(None)
-    with pytest.raises(InputError, match="not read from a folder"):
-        plot_bodies(compare_in_memory(result, folders), folders / "x.png")
+def test_runs_in_memory_have_their_section_too(folders, tmp_path):
+    result, same = record(None), Result.load(folders / "adaptive")
+    assert [frame.number for frame in result.frames] == [frame.number for frame in same.frames]
+    for mine, other in zip(result.frames, same.frames, strict=True):
+        np.testing.assert_array_equal(mine.motion, other.motion)
+        np.testing.assert_array_equal(mine.opening, other.opening)
+    save_bodies(compare(result, folders / "full"), tmp_path / "x.png")
+    assert share(matplotlib.image.imread(tmp_path / "x.png"), FINE) > 0.05
 
 
-def compare_in_memory(result, folders):
-    from fissura.results import compare_results
-
-    return compare_results(result, Result.load(folders / "full"))
+def test_bodies_at_any_step(folders):
+    result = Result.load(folders / "adaptive")
+    ax = result.plot_bodies()
+    assert ax.get_title(loc="left") == "little beam"
+    assert [text.get_text().split(",")[0] for text in ax.texts] == ["step 6"]
+    colours = [other.get_ylabel() for other in ax.figure.axes[1:]]
+    assert colours == ["crack opening [µm]"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["coarse bodies"]
+    stress = result.plot_bodies(3, stress=True)
+    assert [other.get_ylabel() for other in stress.figure.axes[1:]] == ["largest principal stress [MPa]", colours[0]]
+    unloaded = result.plot_bodies(0, ax=pyplot.subplots()[1], magnify=1.0)
+    assert (unloaded.get_title(loc="left"), unloaded.figure.axes) == ("", [unloaded])
+    with pytest.raises(InputError, match="a whole number from 0 to 6"):
+        result.plot_bodies(7)
+    with pytest.raises(InputError, match="has no sections"):
+        Result(result.case, False, result.curve, result.summary, {}).plot_bodies()
+    pyplot.close("all")
 
 
 def test_symbols_follow_the_case():

@@ -49,7 +49,7 @@ def test_comparison_is_the_same_with_all_signs_changed():
 def test_pictures_of_any_sign_can_be_drawn(tmp_path, loads):
     result = run(loads, tmp_path)
     assert (tmp_path / "curve.png").stat().st_size > 5000
-    compare_results(result, run(LOADS)).plot(tmp_path / "both.png")
+    compare_results(result, run(LOADS)).save(tmp_path / "both.png")
     assert (tmp_path / "both.png").stat().st_size > 5000
 
 

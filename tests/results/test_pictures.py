@@ -106,7 +106,7 @@ def test_measured_loads_are_drawn_over_the_gauge(tmp_path, monkeypatch):
 
 def test_comparison_over_energy(tmp_path, monkeypatch):
     comparison = compare_results(snapped(), snapped())
-    upper, lower = drawn(monkeypatch, lambda: comparison.plot(tmp_path / "compare.png"))
+    upper, lower = drawn(monkeypatch, lambda: comparison.save(tmp_path / "compare.png"))
     assert upper.get_xlabel() == "gauge opening [µm]"
     assert lower.get_xlabel() == "dissipated energy [mJ]"
     assert upper.get_xlim()[1] > 30 > 6 > lower.get_xlim()[1]
@@ -114,5 +114,5 @@ def test_comparison_over_energy(tmp_path, monkeypatch):
 
 def test_comparison(tmp_path):
     a, b = run([100.0, 190.0, 150.0]), run([100.0, 200.0, 150.0, 140.0])
-    compare_results(a, b).plot(tmp_path / "compare.png")
+    compare_results(a, b).save(tmp_path / "compare.png")
     assert shares(tmp_path / "compare.png")["BLUE"] > 1e-3

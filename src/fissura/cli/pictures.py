@@ -112,16 +112,16 @@ def compare(
         with writing(picture):
             if plot is None:
                 claimed(picture, "--plot")
-            comparison.plot(picture)
+            comparison.save(picture)
         typer.echo(f"picture: {picture}")
         if bodies:
-            from fissura.results.moments import plot_bodies
+            from fissura.results.comparison_files import save_bodies
 
             beside = picture.with_name(f"{picture.stem}_bodies{picture.suffix}")
             with writing(beside):
                 if plot is None:
                     claimed(beside, "--plot")
-                plot_bodies(comparison, beside)
+                save_bodies(comparison, beside)
             typer.echo(f"picture: {beside}")
 
 

@@ -1,6 +1,7 @@
 """What a run leaves behind: curve, summary, ParaView files, pictures, comparison of runs."""
 
-from fissura.results.compare import Comparison, compare, compare_results
+from fissura.results.compare import compare, compare_results
+from fissura.results.comparison import Comparison
 from fissura.results.curve import read_curve
 from fissura.results.recorder import Recorder
 from fissura.results.result import Result

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import logging
 import math
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.errors import InputError, Notice
-from fissura.results import quantities as text
+from fissura.errors import InputError
 from fissura.results.comparable import common_quantity, comparison_notices
-from fissura.results.path import NAMES, LoadPath
+from fissura.results.comparison import ENERGY, Comparison
+from fissura.results.path import LoadPath
 from fissura.results.peak import peak_position
 from fissura.results.result import Result
-
-if TYPE_CHECKING:
-    from fissura.case import Quantity
 
 __all__ = ["Comparison", "compare", "compare_results"]
 
@@ -27,148 +22,50 @@ FloatArray = NDArray[np.float64]
 
 logger = logging.getLogger(__name__)
 
-ENERGY = "dissipated energy"
 
-
-@dataclass(frozen=True, repr=False, eq=False)
-class Comparison:
-    """Run A (by convention the adaptive one) against run B (the reference).
-
-    Differences are fractions of the value of B, positive where A is larger; nan where B's value is zero or
-    unknown.
-
-    Attributes
-    ----------
-    a, b : Result
-        The runs.
-    over : str
-        What both runs have in common where their loads are compared: ``"gauge"`` or ``"displacement of the load"``, or
-        ``"dissipated energy"`` if that of either turns back.
-    quantity : str
-        Which of the first two it is, or is until it turns back: "gauge" or "displacement"; see
-        `fissura.results.comparable.common_quantity`.
-    abscissa : (k,) array
-        Values of that of both runs together, up to the smaller of their ends [m or J]: gauges and displacements from 0
-        on, energies from the first step on at which both have dissipated any.
-    load_a, load_b : (k,) array
-        Loads there, interpolated linearly, over the quantity from ``(0, 0)`` on [N]. Over energy, loads until the
-        quantity of either first turns back are those at the same value of it, and the abscissa has the energy of B at
-        it: where damage begins the load over energy is so steep that steps of other lengths would count as a
-        difference of the runs.
-    max_load_difference : float
-        Largest absolute load difference over ``abscissa``, over the magnitude of the peak of B.
-    at_max_difference : float
-        Where that is [m or J].
-    peaks, gauges_at_peak : (float, float)
-        Loads of largest magnitude of A and B up to the common end [N], and the quantities at which they occur [m].
-    peak_difference, gauge_at_peak_difference : float
-        Of these.
-    energy_difference : float
-        Of the energies dissipated up to the common end; up to the ends of the runs where these are compared over
-        energy.
-    stiffness_difference : float
-        Of the initial stiffnesses; nan if the runs control different quantities, whose stiffnesses these are.
-    cpu_ratio : float
-        Processor time of B over that of A: above 1, A was faster.
-    notices : tuple of Notice
-        Warnings: in what the specimens differ, or what does not mean the same in both runs.
-    """
-
-    a: Result
-    b: Result
-    over: str
-    quantity: Quantity
-    abscissa: FloatArray
-    load_a: FloatArray
-    load_b: FloatArray
-    max_load_difference: float
-    at_max_difference: float
-    peaks: tuple[float, float]
-    gauges_at_peak: tuple[float, float]
-    peak_difference: float
-    gauge_at_peak_difference: float
-    energy_difference: float
-    stiffness_difference: float
-    cpu_ratio: float
-    notices: tuple[Notice, ...] = ()
-
-    @property
-    def by_energy(self) -> bool:
-        """Whether loads are compared over dissipated energy."""
-        return self.over == ENERGY
-
-    def table(self) -> list[tuple[str, str]]:
-        """Rows of name and value."""
-        show = text.energy if self.by_energy else text.length
-        start, end = ("0" if x == 0.0 else show(float(x)) for x in self.abscissa[[0, -1]])
-        energy = f"{ENERGY} at the ends" if self.by_energy else ENERGY
-        why = f"; the {NAMES[self.quantity]} turns back" if self.by_energy else ""
-        bodies = [text.count(float(r.curve["bodies"][-1])) for r in (self.a, self.b)]
-        seconds = [text.seconds(float(r.curve["cpu_s"][-1])) for r in (self.a, self.b)]
-        slower = 0.0 < self.cpu_ratio < 1.0
-        faster = (
-            f"{text.ratio(1.0 / self.cpu_ratio if slower else self.cpu_ratio)} times {'slower' if slower else 'faster'}"
-        )
-        return [
-            (f"common {self.over} range", f"{start} to {end}{why}"),
-            (
-                "largest load difference",
-                f"{text.per_cent(self.max_load_difference)} of the peak, at {show(self.at_max_difference)}",
-            ),
-            ("peak load", _pair(text.force, *self.peaks, self.peak_difference)),
-            (
-                f"{NAMES[self.quantity]} at peak",
-                _pair(text.length, *self.gauges_at_peak, self.gauge_at_peak_difference),
-            ),
-            (energy, text.per_cent(self.energy_difference, signed=True)),
-            (
-                "initial stiffness",
-                _pair(
-                    text.stiffness,
-                    self.a.initial_stiffness,
-                    self.b.initial_stiffness,
-                    self.stiffness_difference,
-                ),
-            ),
-            ("bodies at the end", f"{bodies[0]} against {bodies[1]}"),
-            (
-                "processor time",
-                f"{seconds[0]} against {seconds[1]}: {faster}",
-            ),
-        ]
-
-    def plot(self, path: str | Path) -> None:
-        """Draw both curves and their difference as PNG (or another format, by the name's ending)."""
-        from fissura.results.pictures import plot_comparison
-
-        plot_comparison(self, Path(path))
-
-    def __repr__(self) -> str:
-        width = max(len(name) for name, _ in self.table())
-        return "\n".join(f"{name:<{width}}  {value}" for name, value in self.table())
-
-
-def compare(a: str | Path, b: str | Path) -> Comparison:
-    """Compare two result folders.
+def compare(a: Result | str | Path, b: Result | str | Path) -> Comparison:
+    """Compare two runs, as ``fissura compare`` does.
 
     Parameters
     ----------
-    a, b : str or Path
-        Folders of the adaptive run and of the reference.
+    a, b : Result or path
+        Results, or folders of results: of the adaptive run, say, and of the reference.
+
+    Returns
+    -------
+    Comparison
+        Differences of their loads, peaks, energies and times; what does not mean the same in both is logged as a
+        warning, too.
 
     Raises
     ------
     InputError
         A folder is missing or broken, a run has no steps, or the runs have nothing to compare.
+
+    Examples
+    --------
+    >>> both = fissura.compare(adaptive, full)
+    >>> abs(both.peak_difference) < 0.05
+    True
     """
-    comparison = compare_results(Result.load(a), Result.load(b))
+    comparison = compare_results(*(run if isinstance(run, Result) else Result.load(run) for run in (a, b)))
     for notice in comparison.notices:
         logger.warning(notice)
     return comparison
 
 
 def compare_results(a: Result, b: Result) -> Comparison:
-    """Compare two results in memory; see `Comparison`.
+    """Compare two results, and warn of nothing; see `compare`.
+
+    Parameters
+    ----------
+    a, b : Result
+        The runs.
+
+    Returns
+    -------
+    Comparison
+        Their differences.
 
     Raises
     ------
@@ -207,6 +104,7 @@ def compare_results(a: Result, b: Result) -> Comparison:
         gauges_at_peak=(at_a, at_b),
         peak_difference=_difference(peak_a, peak_b),
         gauge_at_peak_difference=_difference(at_a, at_b),
+        energies=(float(ends[0]), float(ends[1])),
         energy_difference=_difference(*ends),
         stiffness_difference=(
             _difference(a.initial_stiffness, b.initial_stiffness) if a.case.quantity == b.case.quantity else math.nan
@@ -251,7 +149,3 @@ def _difference(a: float, b: float) -> float:
 
 def _fraction(part: float, whole: float) -> float:
     return float(part / whole) if whole else math.nan
-
-
-def _pair(show: text.Formatter, a: float, b: float, difference: float) -> str:
-    return f"{show(float(a))} against {show(float(b))} ({text.per_cent(difference, signed=True)})"

@@ -1,4 +1,4 @@
-"""What a notebook shows of a result: key numbers, warnings, and the curve as a picture in the page."""
+"""What a notebook shows of results and comparisons: key numbers, warnings, and curves as a picture in the page."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from fissura.results.lettering import attempted, rendered
-from fissura.results.pictures import curve_figure
+from fissura.results.pictures import comparison_figure, curve_figure
 
 if TYPE_CHECKING:
+    from fissura.results.comparison import Comparison
     from fissura.results.result import Result
 
-__all__ = ["embedded", "notebook_html", "result_html"]
+__all__ = ["comparison_html", "embedded", "notebook_html", "result_html"]
 
 RESOLUTION = 90
 """Points per inch of the picture."""
@@ -33,6 +34,13 @@ def result_html(result: Result) -> str:
     name = f"curve of {result.case.name}"
     picture = attempted("the curve", lambda: embedded(curve_figure(result), name)) if result.steps else None
     return notebook_html(rows, map(str, result.summary.get("warnings") or ()), picture)
+
+
+def comparison_html(comparison: Comparison) -> str:
+    """HTML of a comparison, likewise."""
+    name = f"{comparison.a.case.name} against {comparison.b.case.name}"
+    picture = attempted("the curves", lambda: embedded(comparison_figure(comparison), name))
+    return notebook_html(comparison.table(), map(str, comparison.notices), picture)
 
 
 def notebook_html(rows: Iterable[tuple[str, str]], notices: Iterable[str], picture: str | None) -> str:

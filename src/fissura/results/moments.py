@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,10 +11,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fissura.errors import InputError
 from fissura.results import quantities as text
 from fissura.results.curve import COLUMN_OF
-from fissura.results.history import Frame, read_history
+from fissura.results.history import Frame
 from fissura.results.lettering import literal, may_shrink, save
 from fissura.results.panels import draw_curve, draw_scales
 from fissura.results.peak import peak_position
@@ -25,9 +24,9 @@ from fissura.results.stage import Look, Stage, look_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from fissura.results.compare import Comparison
+    from fissura.results.comparison import Comparison
 
-__all__ = ["Moment", "moments", "plot_bodies", "plot_moments"]
+__all__ = ["Moment", "bodies_figure", "moments", "plot_moments"]
 
 FloatArray = NDArray[np.float64]
 
@@ -101,7 +100,8 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
     InputError
         The folder does not hold the results of a run that has ended, with its section.
     """
-    frames, result = read_history(folder), Result.load(folder)
+    result = Result.load(folder)
+    frames = result.frames
     shown = moments(frames)
     look = look_of(result.case, [moment.frame for moment in shown], stress=stress)
     rows = 2 if look.aspect > 1.2 else 1
@@ -122,7 +122,9 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
     save(figure, path, DPI)
 
 
-def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> None:
+def bodies_figure(
+    comparison: Comparison, *, stress: bool = False, make: Callable[..., Figure] = Figure
+) -> tuple[Figure, list[Axes]]:
     """Draw two runs beside each other at the moments of the first.
 
     The moments of run B are the steps nearest in what `Comparison.over` says: the gauge, the displacement of the load,
@@ -131,24 +133,31 @@ def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
     Parameters
     ----------
     comparison : Comparison
-        Two runs read from their folders.
-    path : Path
-        File to write; its ending decides the format.
+        The runs.
     stress : bool, optional
         Colour bodies by their largest principal stress instead of showing which are fine.
+    make : callable, optional
+        Makes the figure: the class, or ``pyplot.figure`` for a figure that notebooks show.
+
+    Returns
+    -------
+    figure : Figure
+        What was drawn.
+    axes : list of Axes
+        Those of run A and run B in turn, moment after moment.
 
     Raises
     ------
     InputError
-        A run was not read from a folder, or its section was not written.
+        A run was read from a folder without sections.
     """
     a, b = comparison.a, comparison.b
-    frames_a, frames_b = (_frames_of(result) for result in (a, b))
+    frames_a, frames_b = a.frames, b.frames
     shown = moments(frames_a)
     others = [_counterpart(comparison, moment.frame, frames_b) for moment in shown]
     look = look_of(a.case, [moment.frame for moment in shown] + others, stress=stress)
     tall = min(0.5 * WIDE / look.aspect + 0.45, TALL)
-    figure = Figure(figsize=(WIDE, len(shown) * tall + 1.2), layout="constrained")
+    figure = make(figsize=(WIDE, len(shown) * tall + 1.2), layout="constrained")
     upper, lower = np.ravel(figure.subfigures(2, 1, squeeze=False, height_ratios=(len(shown) * tall + 0.3, 0.9)))
     panels = upper.subplots(len(shown), 2, squeeze=False, gridspec_kw={"wspace": 0.05})
     for row, (moment, other) in enumerate(zip(shown, others, strict=True)):
@@ -169,7 +178,7 @@ def plot_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
         )
         may_shrink(title)
     draw_scales(lower.subplots(), look, full=a.full and b.full, wide=True)
-    save(figure, path, DPI)
+    return figure, list(panels.ravel())
 
 
 def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
@@ -226,12 +235,6 @@ def _titles(a: Result, b: Result) -> tuple[str, str]:
     if kinds[0] != kinds[1]:
         return kinds[0], kinds[1]
     return f"A: {a.case.name}, {kinds[0]}", f"B: {b.case.name}, {kinds[1]}"
-
-
-def _frames_of(result: Result) -> tuple[Frame, ...]:
-    if result.folder is None:
-        raise InputError(result.case.name, "was not read from a folder", "results in folders")
-    return read_history(result.folder)
 
 
 def _counterpart(comparison: Comparison, frame: Frame, others: Sequence[Frame]) -> Frame:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,9 +19,10 @@ from fissura.results.peak import peak_position
 from fissura.results.result import Result
 
 if TYPE_CHECKING:
-    from fissura.results.compare import Comparison
+    from fissura.results.comparison import Comparison
 
 __all__ = [
+    "comparison_figure",
     "curve_figure",
     "energy_unit",
     "fill_measured",
@@ -28,7 +30,6 @@ __all__ = [
     "headline",
     "legend",
     "load_unit",
-    "plot_comparison",
     "plot_curve",
     "tidy",
 ]
@@ -126,9 +127,17 @@ def curve_figure(result: Result) -> Figure:
     return figure
 
 
-def plot_comparison(comparison: Comparison, path: Path) -> None:
-    """Draw two curves, and below them the difference of their loads as per cent of the reference's peak."""
-    figure = Figure(figsize=(7.2, 5.6), layout="constrained")
+def comparison_figure(comparison: Comparison, make: Callable[..., Figure] = Figure) -> Figure:
+    """Draw two curves, and below them the difference of their loads as per cent of the reference's peak.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The runs.
+    make : callable, optional
+        Makes the figure: the class, or ``pyplot.figure`` for a figure that notebooks show.
+    """
+    figure = make(figsize=(7.2, 5.6), layout="constrained")
     by_energy, quantity = comparison.by_energy, comparison.quantity
     upper, lower = figure.subplots(2, 1, sharex=not by_energy, height_ratios=(3, 1))
     a, b = comparison.a, comparison.b
@@ -170,7 +179,7 @@ def plot_comparison(comparison: Comparison, path: Path) -> None:
         tidy(axes)
     _legend(upper, values[1], b.load_values)
     figure.align_ylabels()
-    save(figure, path, DPI)
+    return figure
 
 
 def headline(axes: Axes, name: str, note: str, *, raised: float = 0.0) -> None:

@@ -1,0 +1,67 @@
+"""Files that comparisons are written to: their numbers, and pictures of them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from matplotlib.backend_bases import FigureCanvasBase
+
+from fissura.errors import InputError
+from fissura.files import write_atomically, write_json
+from fissura.results.lettering import save
+from fissura.results.moments import bodies_figure
+from fissura.results.pictures import DPI, comparison_figure
+
+if TYPE_CHECKING:
+    from fissura.results.comparison import Comparison
+
+__all__ = ["save_bodies", "saved"]
+
+HEADS = ("a", "b", "difference")
+"""Of the columns of numbers."""
+
+
+def saved(comparison: Comparison, path: Path) -> Path:
+    """Write numbers or the picture, as the ending of the name says; see `Comparison.save`."""
+    form = path.suffix.lower().removeprefix(".")
+    if form == "csv":
+        text = io.StringIO()
+        rows = ((name, *values) for name, values in comparison.numbers().items())
+        csv.writer(text, lineterminator="\n").writerows([("quantity", *HEADS), *rows])
+        write_atomically(path, text.getvalue().encode())
+    elif form == "json":
+        write_json(path, {name: _known(values) for name, values in comparison.numbers().items()})
+    elif form in FigureCanvasBase.filetypes:
+        save(comparison_figure(comparison), path, DPI)
+    else:
+        known = ", ".join(f".{name}" for name in ("csv", "json", *sorted(FigureCanvasBase.filetypes)))
+        raise InputError("path", f"{path}: {path.suffix or 'no ending'} is no file of a comparison", known)
+    return path
+
+
+def save_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> None:
+    """Write the picture of `Comparison.plot_bodies`.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The runs.
+    path : Path
+        File to write; its ending decides the format.
+    stress : bool, optional
+        Colour bodies by their largest principal stress instead of showing which are fine.
+
+    Raises
+    ------
+    InputError
+        A run was read from a folder without sections.
+    """
+    save(bodies_figure(comparison, stress=stress)[0], path, DPI)
+
+
+def _known(values: tuple[float, ...]) -> dict[str, float | None]:
+    return {name: value if math.isfinite(value) else None for name, value in zip(HEADS, values, strict=True)}
