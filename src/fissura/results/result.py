@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from fissura.case import Case
     from fissura.results.history import Frame
+    from fissura.results.xarrays import Fields
     from fissura.step import Snapshot
 
 __all__ = ["Result"]
@@ -278,6 +279,43 @@ class Result(Numbers):
         from fissura.results.dataframe import dataframe_of
 
         return dataframe_of(self.curve)
+
+    def to_xarray(self, what: Fields = "curve") -> Any:
+        """The curve, or fields of bodies or contacts over steps, as an ``xarray.Dataset``; needs xarray.
+
+        Names are without units, which stand in the attribute ``units`` of each variable; only where two columns differ
+        in nothing else, as ``unbalanced_N`` and ``unbalanced_Nm`` do, they keep them.
+
+        Parameters
+        ----------
+        what : {"curve", "bodies", "contacts"}, optional
+            ``"curve"`` has every column over all steps. The others have the arrays of `fissura.step.Snapshot` over the
+            steps of `snapshots`: bodies by the identity of their nucleus, contacts by the pair of nuclei that they
+            join. Where a body or a contact is not there in a step, because the run had not refined that place yet,
+            values are nan.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions ``step`` and, for fields, ``nucleus`` or ``contact``; ``axis`` is x, y, z, and ``direction`` of a
+            contact N, M, L.
+
+        Raises
+        ------
+        InputError
+            There are no states of steps, ``what`` is something else, or xarray is not installed.
+
+        Examples
+        --------
+        >>> result.to_xarray()["load"].attrs["units"]
+        'N'
+        >>> opening = result.to_xarray("contacts")["opening"].max("contact")
+        >>> float(opening[-1]) == result.last.opening.max()
+        True
+        """
+        from fissura.results.xarrays import dataset_of
+
+        return dataset_of(self, what)
 
     def to_pyvista(self, step: int | None = None) -> Any:
         """Bodies and cracks of a step as meshes in metres; needs PyVista (extra ``view``).
