@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fissura.case import Case, case_from_dict, load_case
+from fissura.case import Case, case_of
 from fissura.case.continued import continued
 from fissura.case.types import whole
 from fissura.case.units import show
@@ -20,6 +21,7 @@ from fissura.memory import require_memory
 from fissura.observer import Observer, watched
 
 if TYPE_CHECKING:
+    from fissura.progress import RunProgress
     from fissura.results import Result
     from fissura.results.checkpoint import Checkpoint
     from fissura.results.recorder import Recorder
@@ -44,6 +46,7 @@ def run(
     on_start: Callable[[Simulation], None] | None = None,
     on_step: Callable[[Step], None] | None = None,
     observers: Iterable[Observer] = (),
+    progress: bool | None = None,
 ) -> Result:
     """Run a case until its control target is reached.
 
@@ -68,6 +71,8 @@ def run(
         Called with every accepted step, after it was recorded.
     observers : iterable of callable, optional
         Called with the state of the run and the step, likewise.
+    progress : bool, optional
+        Whether a line tells how far the run is; by default in notebooks only. Elsewhere it goes to standard error.
 
     Returns
     -------
@@ -85,10 +90,7 @@ def run(
     OSError
         If a file cannot be written; what could be written is saved, attribute ``result`` as before.
     """
-    if isinstance(case, Mapping):
-        case = case_from_dict(case)
-    elif not isinstance(case, Case):
-        case = load_case(case)
+    case = case_of(case)
     if seed is not None:
         case = with_seed(case, seed)
     if resume:
@@ -98,7 +100,7 @@ def run(
 
         checkpoint_in(Path(output))
     folder = None if output is None else prepare_folder(output, "run", overwrite=overwrite, go_on=resume)
-    with locked(folder):
+    with locked(folder), _shown(case, progress) as shown:
         checkpoint: Checkpoint | None = None
         if resume and folder is not None:
             case, checkpoint = _begins_from(folder, case, full=full)
@@ -117,10 +119,28 @@ def run(
             return Result.load(folder)
         for notice in simulation.notices:
             logger.warning(notice)
+        if shown is not None:
+            shown.start(simulation)
         if on_start is not None:
             on_start(simulation)
-        told: tuple[Observer, ...] = () if on_step is None else (lambda _, step: on_step(step),)
+        told: list[Observer] = [
+            lambda _, step, tell=tell: tell(step)  # type: ignore[misc]
+            for tell in (None if shown is None else shown.step, on_step)
+            if tell is not None
+        ]
         return _recorded(simulation, folder, before, (*told, *observers))
+
+
+def _shown(case: Case, progress: bool | None) -> AbstractContextManager[RunProgress | None]:
+    """What shows the progress of a run, if anything does; a notebook has IPython loaded."""
+    if progress is False or (progress is None and "IPython" not in sys.modules):
+        return nullcontext()
+    from rich.console import Console
+
+    from fissura.progress import RunProgress
+
+    console = Console(stderr=True)
+    return RunProgress(console, case) if progress or console.is_jupyter else nullcontext()
 
 
 def _begins_from(folder: Path, case: Case, *, full: bool) -> tuple[Case, Checkpoint]:

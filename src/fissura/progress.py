@@ -1,4 +1,4 @@
-"""Live progress of a run, or of many runs: a moving line in a terminal, plain lines elsewhere."""
+"""Live progress of a run, or of many runs: a moving line in a terminal or a notebook, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn
 
+from fissura.lines import line_on
 from fissura.results.done import Done
 from fissura.results.names import driven_in
 from fissura.results.quantities import force, length
@@ -44,28 +44,19 @@ def _count(number: int, thing: str) -> str:
 
 
 class _Live:
-    """A moving line in a terminal, and lines that stay.
+    """A moving line where there can be one, and lines that stay.
 
     Parameters
     ----------
     console : Console
-        Where to write; a moving line if it is a terminal.
+        Where to write; a moving line if it is a terminal or a notebook.
     share : str
-        How the line tells how far it is, in terms of Rich's ``task``.
+        How the line tells how far it is, see `fissura.lines.line_on`.
     """
 
     def __init__(self, console: Console, share: str) -> None:
         self._console = console
-        self._bar: Progress | None = None
-        self._task = TaskID(0)
-        if console.is_terminal:
-            self._bar = Progress(
-                BarColumn(20),
-                TextColumn(share),
-                TextColumn("{task.description}", markup=False),
-                console=console,
-                transient=True,
-            )
+        self._line = line_on(console, share)
 
     def __enter__(self) -> Self:
         return self
@@ -73,12 +64,13 @@ class _Live:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._bar is not None:
-            self._bar.stop()
+        if self._line is not None:
+            self._line.end()
 
     def say(self, text: str) -> None:
-        """Write a line that stays."""
-        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+        """Write a line that stays; not in notebooks, where many of them would push results away."""
+        if not self._console.is_jupyter:
+            self._console.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 class RunProgress(_Live):
@@ -87,7 +79,7 @@ class RunProgress(_Live):
     Parameters
     ----------
     console : Console
-        Where to write; a moving line if it is a terminal.
+        Where to write; a moving line if it is a terminal or a notebook.
     case : Case
         What is run: it says how far.
     """
@@ -100,12 +92,10 @@ class RunProgress(_Live):
         self._recent: deque[tuple[float, float]] = deque(maxlen=11)
         self._refinements = 0
         self._shown = (self._start, 0.0)
-        if self._bar is not None:
-            self._task = self._bar.add_task("building the specimen", total=1.0)
 
     def __enter__(self) -> Self:
-        if self._bar is not None:
-            self._bar.start()
+        if self._line is not None:
+            self._line.begin(f"{self._case.name}: building the specimen")
         return self
 
     def start(self, simulation: Simulation) -> None:
@@ -121,8 +111,8 @@ class RunProgress(_Live):
             quantity = self._quantity if state.leg is None else state.leg.quantity  # that of the way it is on
             value = f"load {force(state.now.value)}" if quantity == "force" else f"{quantity} {length(state.now.value)}"
             self.say(f"goes on after step {state.number}, {value}")
-        if self._bar is not None:
-            self._bar.update(self._task, description="first step" if state is None else "next step")
+        if self._line is not None:
+            self._line.change("first step" if state is None else "next step")
 
     def step(self, step: Step) -> None:
         """Show an accepted step."""
@@ -130,9 +120,9 @@ class RunProgress(_Live):
         share = self._done.after(step.done, step.load)
         self._recent.append((now, share))
         self._refinements += step.refinements
-        text = self._line(step, now)
-        if self._bar is not None:
-            self._bar.update(self._task, description=text, completed=share)
+        text = self._told(step, now)
+        if self._line is not None:
+            self._line.change(text, share)
             if step.refinements:
                 self.say(f"step {step.number}: {_count(step.refinements, 'refinement')}, {step.bodies} bodies")
             return
@@ -141,7 +131,7 @@ class RunProgress(_Live):
             self._shown = (now, share)
             self.say(f"{100 * share:3.0f} %  {text}")
 
-    def _line(self, step: Step, now: float) -> str:
+    def _told(self, step: Step, now: float) -> str:
         name, load = driven_in(self._case, step)
         parts = [
             f"step {step.number}",
@@ -177,7 +167,7 @@ class ManyProgress(_Live):
     Parameters
     ----------
     console : Console
-        Where to write; a moving line if it is a terminal.
+        Where to write; a moving line if it is a terminal or a notebook.
     """
 
     def __init__(self, console: Console) -> None:
@@ -198,9 +188,8 @@ class ManyProgress(_Live):
         """
         self._start = self._shown = time.monotonic()
         self._total, self._before, self._done = missing + there, there, 0
-        if self._bar is not None and missing:
-            self._bar.start()
-            self._task = self._bar.add_task(first, total=self._total, completed=there)
+        if self._line is not None and missing:
+            self._line.begin(first, done=there, total=self._total)
 
     def ended(self, status: str, message: str, last: str) -> None:
         """Show that a run has ended.
@@ -226,8 +215,8 @@ class ManyProgress(_Live):
         if left:
             parts.append(f"about {duration(left * (now - self._start) / self._done)} left")
         text = ", ".join(parts)
-        if self._bar is not None:
-            self._bar.update(self._task, completed=self._before + self._done, description=text)
+        if self._line is not None:
+            self._line.change(text, self._before + self._done)
         elif now - self._shown >= EVERY_SECONDS or not left:
             self._shown = now
             self.say(f"{self._before + self._done} of {self._total} runs, {text}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import sys
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -69,6 +71,69 @@ def test_progress_in_a_terminal(tiny: Path, fake: type[FakeSimulation], capsys: 
     text = capsys.readouterr().err
     assert "step 20: 1 refinement, 120 bodies" in text
     assert "100 %" in text
+
+
+class FakeDisplay:
+    """What a notebook is asked to show."""
+
+    def __init__(self) -> None:
+        self.pages: list[dict[str, str]] = []
+
+    def display(self, page: dict[str, str], *, raw: bool, display_id: bool) -> FakeDisplay:
+        assert raw
+        assert display_id
+        self.pages.append(page)
+        return self
+
+    def update(self, page: dict[str, str], *, raw: bool) -> None:
+        assert raw
+        self.pages.append(page)
+
+
+@pytest.fixture
+def notebook(monkeypatch: pytest.MonkeyPatch) -> FakeDisplay:
+    """As if this ran in a notebook: its pages are kept, and a second passes between any two looks at the clock."""
+    shown, seconds = FakeDisplay(), itertools.count()
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace())
+    monkeypatch.setitem(sys.modules, "IPython.display", shown)
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    monkeypatch.setattr("fissura.lines.time.monotonic", lambda: float(next(seconds)))
+    return shown
+
+
+def test_a_notebook_shows_progress_and_clears_it(
+    tiny: Path, fake: type[FakeSimulation], notebook: FakeDisplay, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = load_case(tiny).with_({"name": "beam & co"})
+    api.run(case)
+    texts = [page["text/plain"] for page in notebook.pages]
+    assert texts[:2] == ["beam & co: building the specimen", "first step"]
+    assert texts[2].startswith("step 1, ")
+    assert texts[-1] == ""
+    assert len(texts) == 23
+    assert "beam &amp; co" in notebook.pages[0]["text/html"]
+    assert '<progress value="0.5" max="1"' in notebook.pages[11]["text/html"]
+    notebook.pages.clear()
+    fake.ending = RunStopped("no way on", 13, 0.1)
+    with pytest.raises(RunStopped):
+        api.run(case)
+    assert notebook.pages[-1]["text/plain"] == ""
+    notebook.pages.clear()
+    fake.ending = None
+    api.run(case, progress=False)
+    assert notebook.pages == []
+    assert capsys.readouterr() == ("", "")
+
+
+def test_progress_of_a_script_is_shown_when_it_is_wanted(
+    tiny: Path, fake: type[FakeSimulation], capsys: pytest.CaptureFixture[str]
+) -> None:
+    api.run(tiny)
+    assert capsys.readouterr() == ("", "")
+    api.run(tiny, progress=True)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "100 %  step 20" in err
 
 
 def test_progress_where_energy_leads(tiny: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -126,7 +126,7 @@ def _computed(task: Task, folder: Path | None) -> Outcome:
     start = CrackStart(task.case.material.G_t / task.case.material.f_t)
     result: Result
     try:
-        result = api.run(task.case, full=task.full, output=folder, overwrite=True, on_step=start.watch)
+        result = api.run(task.case, full=task.full, output=folder, overwrite=True, on_step=start.watch, progress=False)
         status, message, again = "finished", "", False
     except RunStopped as error:
         stopped: Result | None = getattr(error, "result", None)
