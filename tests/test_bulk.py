@@ -13,7 +13,7 @@ from changes import replaced
 from conftest import SMALL_BEAM
 from fissura.bulk import BulkLaw, bulk_law, voigt
 from fissura.case import case_from_dict
-from fissura.check import report
+from fissura.checking import check
 from fissura.cli import app
 from fissura.errors import InputError
 
@@ -160,11 +160,11 @@ def test_wrong_materials_have_one_clear_message(changes, message):
 
 
 def test_check_shows_both_sets():
-    rows = dict(report(case()).table())
+    rows = dict(check(case()).table())
     assert rows["elastic, contacts"] == "E 59.38 GPa, alpha 0.2902"
     assert rows["elastic, bulk"] == "E 38 GPa, nu 0.180"
     sparse = case_from_dict(replaced(SMALL_BEAM, {"material__alpha": 0.005, "material__G_t": 1e6}))
-    assert dict(report(sparse).table())["elastic, bulk"] == "-"
+    assert dict(check(sparse).table())["elastic, bulk"] == "-"
 
 
 def call(*arguments):

@@ -5,7 +5,7 @@ import pytest
 
 import fissura
 from equilibrium.models import CONCRETE, beam
-from fissura.check import report
+from fissura.checking import check
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System
 from fissura.errors import InputError
@@ -32,7 +32,7 @@ def cube(size=0.02, **spacing):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_start_of_one_body_is_refused(seed):
     case = cube(l_c=0.04).model_copy(update={"seed": seed})
-    for attempt in (fissura.run, report):
+    for attempt in (fissura.run, check):
         with pytest.raises(InputError, match="the start has 1 body without any contact") as caught:
             attempt(case)
         assert caught.value.key == "discretization.l_c"

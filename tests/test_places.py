@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import fissura
-from fissura.check import report
+from fissura.checking import check
 from fissura.errors import InputError
 from fissura.simulation import Simulation
 
@@ -31,7 +31,7 @@ def test_the_peak_does_not_depend_on_the_width_of_a_platen(small_case):
 @pytest.mark.parametrize("end", ["a", "b"])
 def test_a_gauge_that_ends_in_the_plane_of_an_ideal_cut_is_refused(small_case, end):
     with pytest.raises(InputError, match="ideal cut") as caught:
-        report(small_case(**{f"gauge__{end}__at": 0.06}))
+        check(small_case(**{f"gauge__{end}__at": 0.06}))
     assert caught.value.key == f"gauge.{end}.at"
 
 
@@ -78,7 +78,7 @@ WRONG = {
 def test_the_key_at_fault_is_named(small_case, changes, key, problem, full):
     case = small_case(**changes)
     with pytest.raises(InputError, match=problem) as caught:
-        report(case)
+        check(case)
     assert caught.value.key == key
     with pytest.raises(InputError, match=problem) as caught:
         list(Simulation(case, full=full).steps())
@@ -87,7 +87,7 @@ def test_the_key_at_fault_is_named(small_case, changes, key, problem, full):
 
 def test_a_specimen_without_its_unit_is_named_where_it_does_not_fit(small_case):
     case = small_case(specimen__size=[120, 60, 40])
-    for refuse in (report, fissura.run):
+    for refuse in (check, fissura.run):
         with pytest.raises(InputError, match="120 m is very large") as caught:
             refuse(case)
         assert caught.value.key == "specimen.size"
@@ -97,10 +97,10 @@ def test_a_gauge_on_one_body_of_the_start_alone(small_case):
     """At full resolution its ends are on two bodies: what helps is said, and helps."""
     changes = {"notch": None, "discretization": {"l_f": 0.006, "l_c": 0.04}, "gauge": APART, "adaptivity": None}
     with pytest.raises(InputError, match=r"one rigid body at the start.*adaptivity\.regions") as caught:
-        report(small_case(**changes))
+        check(small_case(**changes))
     assert caught.value.key == "gauge"
     there = {"type": "ball", "center": [0.06, 0.0, 0.02], "radius": 0.02}
-    report(small_case(**(changes | {"adaptivity": {"regions": there, "r_f": 0.012}})))
+    check(small_case(**(changes | {"adaptivity": {"regions": there, "r_f": 0.012}})))
     step = next(Simulation(small_case(**changes), full=True).steps())
     assert step.load > 0.0
 
@@ -123,9 +123,9 @@ def test_a_start_of_one_body(small_case, tmp_path):
         (middle, "discretization.l_f", "single rigid body"),
     ):
         with pytest.raises(InputError, match=problem) as caught:
-            report(small_case(**cube, discretization=spacing))
+            check(small_case(**cube, discretization=spacing))
         assert caught.value.key == key
-    assert report(small_case(**cube, discretization={"l_f": 0.01, "l_c": 0.012})).bodies_start > 1
+    assert check(small_case(**cube, discretization={"l_f": 0.01, "l_c": 0.012})).bodies_start > 1
 
 
 def test_a_gauge_that_the_load_does_not_move(small_case):

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from conftest import small_beam
 from fissura.case import case_from_dict
-from fissura.check import report
+from fissura.checking import check
 from fissura.equilibrium import settle
 from fissura.errors import InputError, RunStopped
 from fissura.simulation import Simulation
@@ -302,6 +302,6 @@ def test_a_load_factor_counts_on_within_its_stage():
     ],
 )
 def test_check_counts_steps_from_where_a_stage_begins(stages, steps):
-    found = report(small_beam(control=None, stage=stages)).stages
+    found = check(small_beam(control=None, stage=stages)).stages
     for (_, told), expected in zip(found, steps, strict=True):
         assert told.startswith(expected)

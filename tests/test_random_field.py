@@ -8,7 +8,7 @@ import pytest
 
 from equilibrium.models import beam
 from fissura import run
-from fissura.check import report
+from fissura.checking import check
 from fissura.errors import InputError, RunStopped
 from fissura.results.state import read_state
 from fissura.results.vtk import bodies_grid, contacts_grid
@@ -136,8 +136,8 @@ def test_nothing_of_a_field_without_one(tmp_path):
 
 
 def test_check_tells_of_the_field():
-    rows = dict(report(beam(field={"length": ["20 mm", "10 mm", "10 mm"]}, seed=7)).table())
+    rows = dict(check(beam(field={"length": ["20 mm", "10 mm", "10 mm"]}, seed=7)).table())
     assert rows["random field"] == "squared-exponential, 20 x 10 x 10 mm; grafted, CoV 0.25; seed 7"
     assert "modes" in rows["expansion"]
     assert "on average" in rows["variance error"]
-    assert "random field" not in dict(report(beam()).table())
+    assert "random field" not in dict(check(beam()).table())

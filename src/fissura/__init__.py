@@ -6,28 +6,35 @@ Public names are imported at first use, so that ``import fissura`` stays light.
 from __future__ import annotations
 
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fissura.api import run
-    from fissura.case import Case, load_case
+    from fissura.case import Case, case_from_dict, load_case
+    from fissura.checking import CheckReport, check
     from fissura.ensemble.result import EnsembleResult
     from fissura.ensemble.runner import run_ensemble
     from fissura.ensemble.sweep import sweep
     from fissura.errors import InputError, RunStopped
-    from fissura.results import Result
+    from fissura.results import Comparison, Result, compare
     from fissura.simulation import Simulation
 
     __version__: str
 
 __all__ = [
     "Case",
+    "CheckReport",
+    "Comparison",
     "EnsembleResult",
     "InputError",
     "Result",
     "RunStopped",
     "Simulation",
     "__version__",
+    "case_from_dict",
+    "check",
+    "compare",
     "load_case",
     "run",
     "run_ensemble",
@@ -36,11 +43,16 @@ __all__ = [
 
 _HOME = {
     "Case": "fissura.case",
+    "CheckReport": "fissura.checking",
+    "Comparison": "fissura.results",
     "EnsembleResult": "fissura.ensemble.result",
     "InputError": "fissura.errors",
     "Result": "fissura.results",
     "RunStopped": "fissura.errors",
     "Simulation": "fissura.simulation",
+    "case_from_dict": "fissura.case",
+    "check": "fissura.checking",
+    "compare": "fissura.results",
     "load_case": "fissura.case",
     "run": "fissura.api",
     "run_ensemble": "fissura.ensemble.runner",
@@ -61,7 +73,9 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    """Public names, also those that are not imported yet, and rooms that are: what editors and notebooks complete."""
+    rooms = (name for name, value in globals().items() if isinstance(value, ModuleType) and __name__ in value.__name__)
+    return sorted({*__all__, *rooms, *(name for name in globals() if name.startswith("__"))})
 
 
 def _version() -> str:

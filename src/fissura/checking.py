@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from fissura.bulk import bulk_law
-from fissura.case import Case, Gravity
+from fissura.case import Case, Gravity, case_of
 from fissura.errors import InputError, Notice
 from fissura.memory import estimate_memory, gigabytes, physical_memory, require_memory
 from fissura.stages_told import stages_in_words
@@ -16,10 +17,10 @@ from fissura.stages_told import stages_in_words
 if TYPE_CHECKING:
     from fissura.material.field import RandomField
 
-__all__ = ["CheckReport", "report"]
+__all__ = ["CheckReport", "check"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CheckReport:
     """What would be run.
 
@@ -98,7 +99,18 @@ class CheckReport:
         ]
 
     def table(self) -> list[tuple[str, str]]:
-        """Rows of name and value."""
+        """Rows of name and value that describe what would be run.
+
+        Returns
+        -------
+        list of (str, str)
+            As ``fissura check`` prints them.
+
+        Examples
+        --------
+        >>> fissura.check(case).table()[0]
+        ('case', 'beam')
+        """
         from fissura.results.quantities import force  # its package brings NumPy
 
         return [
@@ -123,14 +135,24 @@ class CheckReport:
             *([("fissura ensemble", self.study)] if self.study else []),
         ]
 
+    def __repr__(self) -> str:
+        width = max(len(name) for name, _ in self.table())
+        lines = [f"{name:<{width}}  {value}" for name, value in self.table()]
+        return "\n".join([*lines, *(f"warning: {notice}" for notice in self.warnings)])
 
-def report(case: Case) -> CheckReport:
-    """Build everything a run would build, without solving, and describe it.
+    def _repr_html_(self) -> str:
+        from fissura.results.html import notebook_html
+
+        return notebook_html(self.table(), map(str, self.warnings), None)
+
+
+def check(case: Case | Mapping[str, Any] | str | Path) -> CheckReport:
+    """Build everything a run would build, without solving, and describe it, as ``fissura check`` does.
 
     Parameters
     ----------
-    case : Case
-        Case to check.
+    case : Case, mapping or path
+        As of `fissura.run`.
 
     Returns
     -------
@@ -141,7 +163,14 @@ def report(case: Case) -> CheckReport:
     ------
     InputError
         If anything in the case is wrong, or the specimen does not fit into memory.
+
+    Examples
+    --------
+    >>> found = fissura.check(case)
+    >>> found.bodies_start <= found.bodies_full
+    True
     """
+    case = case_of(case)
     require_memory(case)
     from fissura.contact import limits_from_case
     from fissura.simulation import Simulation

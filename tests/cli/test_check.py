@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fissura import check, memory
+from fissura import memory
 from fissura.case import Case, load_case
+from fissura.checking import check
 from fissura.errors import InputError
 from fissura.results.quantities import energy
 
@@ -114,7 +115,7 @@ def test_run_refuses_what_does_not_fit(tiny: Path, fake: type[FakeSimulation]) -
 
 
 def test_check_report(fake: type[FakeSimulation]) -> None:
-    report = check.report(load_case(EXAMPLE))
+    report = check(load_case(EXAMPLE))
     assert (report.bodies_start, report.bodies_full, report.contacts, report.fine_contacts) == (
         100,
         300,
@@ -159,5 +160,5 @@ def test_check_tells_what_leads(
 ) -> None:
     text = ", ".join(f"{key} = {json.dumps(value)}" for key, value in control.items())
     tiny.write_text(TINY.replace('control.target = "2 um"', f'control = {{ target = "2 mm", {text} }}'))
-    table = dict(check.report(load_case(tiny)).table())
+    table = dict(check(load_case(tiny)).table())
     assert (table["control"], table["steps"]) == (told, steps)

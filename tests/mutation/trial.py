@@ -26,7 +26,7 @@ from unittest import mock
 from fissura import Case, InputError, RunStopped
 from fissura.case import load_case
 from fissura.case.units import show
-from fissura.check import report
+from fissura.checking import check
 from fissura.memory import estimate_bodies, require_memory
 from fissura.simulation import Simulation
 from fissura.study.plan import Plan, load_plan
@@ -213,7 +213,7 @@ def _built(case: Case, stepped: bool) -> str:
     if estimate_bodies(case) > _BUILT:
         require_memory(case)
         return "too large to be built here"
-    report(case)
+    check(case)
     if not stepped or estimate_bodies(case) > _BROKEN:
         return "built"
     for _ in itertools.islice(Simulation(case).steps(), 2):
@@ -264,7 +264,7 @@ def trials(seed: int, numbers: range, folder: Path) -> Tally:
     if hasattr(os, "mkfifo"):
         os.mkfifo(folder / "pipe")
     for name in ("beam.toml", "nuclei.toml", "npy.toml", "plate.toml"):
-        report(load_case(folder / name))  # they are right, and kernels are loaded before times count
+        check(load_case(folder / name))  # they are right, and kernels are loaded before times count
         for _ in itertools.islice(Simulation(load_case(folder / name)).steps(), 2):
             pass
     tally = Tally()

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import base64
 import io
+import json
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -13,8 +15,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from fissura.checking import CheckReport
 from fissura.errors import InputError
-from fissura.results import Recorder, Result, dataframe
+from fissura.results import Recorder, Result, compare, dataframe
 from fissura.results.plotting import column_named, split_unit
 
 from .synthetic import simulation, steps
@@ -166,6 +169,51 @@ def test_what_users_wrote_is_only_text(result: Result) -> None:
     assert page.images[0]["alt"] == f"curve of {evil}"
     assert evil in page.words  # the warning
     assert sum(evil in word for word in page.words) == 3
+
+
+def test_comparison_in_a_notebook(result: Result, tmp_path: Path) -> None:
+    """What ``fissura compare`` prints, draws and warns of, from results in memory or their folders."""
+    curve = result.curve | {"load_N": 1.1 * result.curve["load_N"]}
+    case = result.case.with_({"seed": 8})
+    higher = Result(case, True, curve, result.summary, result.snapshots)
+    both = compare(higher, result.save(tmp_path / "run"))
+    assert both.numbers()["peak_load_N"] == pytest.approx((1.1 * 1234.0, 1234.0, 0.1))
+    assert both.numbers()["load_N"] == pytest.approx((1.1 * 1234.0, 1234.0, 0.1))
+    assert both.numbers()["dissipated_energy_J"][2] == 0.0
+    page = Page(both._repr_html_())
+    for name, value in both.table():
+        assert name in page.words
+        assert value in page.words
+    assert len(page.images) == 1
+    assert any("broke different specimens: seed" in word for word in page.words)
+    upper, lower = both.plot()
+    assert (upper.get_ylabel(), lower.get_ylabel()) == ("load [kN]", "A − B\n[% of peak]")
+    assert upper.lines[1].get_ydata()[1:] == pytest.approx(1e-3 * higher.load_values)
+
+
+def test_comparison_as_a_table_and_as_files(result: Result, tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    both = compare(result, result)
+    frame = both.to_dataframe()
+    assert list(frame.columns) == ["a", "b", "difference"]
+    assert frame.loc["peak_load_N"].tolist() == [1234.0, 1234.0, 0.0]
+    pandas.testing.assert_frame_equal(pandas.read_csv(both.save(tmp_path / "c.csv"), index_col="quantity"), frame)
+    read = json.loads(both.save(tmp_path / "c.json").read_text())
+    assert read["peak_load_N"] == {"a": 1234.0, "b": 1234.0, "difference": 0.0}
+    with Image.open(both.save(tmp_path / "c.png")) as picture:
+        assert min(picture.size) > 300
+    for name in ("c.xyz", "c"):
+        with pytest.raises(InputError, match=r"csv, \.json, "):
+            both.save(tmp_path / name)
+    assert {path.name for path in tmp_path.iterdir()} == {"c.csv", "c.json", "c.png"}
+
+
+def test_what_is_checked_in_a_notebook() -> None:
+    report = CheckReport("<b>", "law", "none", 1, 2, 3, 4, 5.0, 6.0, 7.0, {}, 8.0, (("gauge", "50"),))
+    words = Page(report._repr_html_()).words
+    assert "<b>" in words
+    assert "b" not in Page(report._repr_html_()).tags
+    assert repr(report).startswith("case ")
 
 
 def test_page_without_steps_or_with_a_picture_that_fails(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -276,14 +276,14 @@ def test_nuclei_of_another_run_are_all_used(tmp_path, small_case, notch):
 
 
 def test_counts_in_check_and_summary(tmp_path, small_case):
-    from fissura.check import report
+    from fissura.checking import check
     from fissura.results.curve import columns
     from fissura.results.summary import build_summary
     from fissura.simulation import Simulation
 
     first = placed(small_case(notch=None)).x
     case = saved(tmp_path, small_case, first[::2], notch=None, control__target=1e-5)
-    found = report(case)
+    found = check(case)
     assert found.nuclei_given == len(first[::2])
     rows = dict(found.table())
     assert rows["nuclei from the file"] == f"{len(first[::2])}, and {found.bodies_full - len(first[::2])} added"
@@ -291,4 +291,4 @@ def test_counts_in_check_and_summary(tmp_path, small_case):
     summary = build_summary(simulation, columns([]), status="finished", message="", cpu_s=1.0, wall_s=1.0, memory=1e9)
     assert summary["nuclei_given"] == len(first[::2])
     assert summary["nuclei_given"] + summary["nuclei_added"] == summary["bodies_full"] == simulation.bodies_full
-    assert "nuclei from the file" not in dict(report(small_case(notch=None)).table())
+    assert "nuclei from the file" not in dict(check(small_case(notch=None)).table())

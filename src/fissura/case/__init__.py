@@ -1,7 +1,7 @@
 """Cases: what to break, how, and of what material, read from a TOML file."""
 
 from fissura.case.field import EnergyField, Field
-from fissura.case.load import case_from_dict, load_case
+from fissura.case.load import case_from_dict, case_of, load_case
 from fissura.case.model import (
     Adaptivity,
     BallRegion,
@@ -55,5 +55,6 @@ __all__ = [
     "Support",
     "case_from_dict",
     "case_notices",
+    "case_of",
     "load_case",
 ]

@@ -16,7 +16,7 @@ from fissura.case.model import Case, folder_name
 from fissura.case.report import input_error
 from fissura.errors import InputError
 
-__all__ = ["case_from_dict", "load_case", "read_case_file", "read_json", "read_toml"]
+__all__ = ["case_from_dict", "case_of", "load_case", "read_case_file", "read_json", "read_toml"]
 
 ALLOWED = "a case file (TOML, UTF-8), or the case.json of a run"
 
@@ -80,6 +80,19 @@ def load_case(path: str | Path) -> Case:
     if text is not None:
         case.__dict__["source"] = text
     return case
+
+
+def case_of(given: Case | Mapping[str, Any] | str | Path) -> Case:
+    """The case that is meant: itself, tables as of `case_from_dict`, or the file that `load_case` reads.
+
+    Raises
+    ------
+    InputError
+        As these do.
+    """
+    if isinstance(given, Case):
+        return given
+    return case_from_dict(given) if isinstance(given, Mapping) else load_case(given)
 
 
 def read_case_file(path: Path) -> tuple[str | None, dict[str, Any]]:

@@ -81,10 +81,10 @@ def check(case: CaseArgument) -> None:
     """Validate a case and say what would be run, without running it."""
     with errors():
         from fissura.case import load_case
-        from fissura.check import report
+        from fissura.checking import check as checked
 
         with warnings(Console(stderr=True)) as shown:
-            found = report(load_case(case))
+            found = checked(load_case(case))
             print_table(found.table())
             for notice in found.warnings:
                 shown.show(str(notice))
