@@ -89,6 +89,16 @@ def run(
         If the user interrupts; saved as before, attribute ``result`` as before.
     OSError
         If a file cannot be written; what could be written is saved, attribute ``result`` as before.
+
+    Examples
+    --------
+    >>> result = fissura.run(case, output="results/run")
+    >>> result.status
+    'finished'
+    >>> loads = []
+    >>> other = fissura.run(case, seed=2, on_step=lambda step: loads.append(step.load))
+    >>> loads == other.load_values.tolist()
+    True
     """
     case = case_of(case)
     if seed is not None:

@@ -60,6 +60,14 @@ class CheckReport:
         Name and value of what there is to say about the random field.
     study : str
         What the table ``[ensemble]`` asks for, in words; empty without one.
+
+    Examples
+    --------
+    >>> report = fissura.check(case)
+    >>> report.bodies_start < report.bodies_full
+    True
+    >>> report.warnings
+    ()
     """
 
     name: str

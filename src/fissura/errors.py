@@ -85,6 +85,14 @@ class InputError(FissuraError):
     Notes
     -----
     The attributes of these names are one line each and not too long, whatever a file or a caller says.
+
+    Examples
+    --------
+    >>> try:
+    ...     case.with_({"material.f_t": "3 mm"})
+    ... except fissura.InputError as error:
+    ...     print(error.key)
+    material.f_t
     """
 
     def __init__(self, key: str, problem: str, allowed: str = "") -> None:
@@ -107,6 +115,17 @@ class RunStopped(FissuraError):
         Value of the controlled quantity [m or N] at which the run ended.
     unit : str, optional
         Its unit.
+
+    Examples
+    --------
+    What was computed before is in the attribute ``result`` of what `fissura.run` raises:
+
+    >>> try:
+    ...     result = fissura.run(case)
+    ... except fissura.RunStopped as stop:
+    ...     result = stop.result
+    >>> result.steps > 0
+    True
     """
 
     def __init__(self, reason: str, step: int, gauge: float, unit: str = "m") -> None:
@@ -117,7 +136,13 @@ class RunStopped(FissuraError):
 
 
 class EnsembleStopped(FissuraError):
-    """An ensemble that cannot go on; every realisation that has ended is on disk, and the ensemble can be resumed."""
+    """An ensemble that cannot go on; every realisation that has ended is on disk, and the ensemble can be resumed.
+
+    Examples
+    --------
+    >>> issubclass(EnsembleStopped, FissuraError)
+    True
+    """
 
 
 class StudyStopped(FissuraError):

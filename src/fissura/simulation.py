@@ -38,11 +38,6 @@ class Simulation:
     full : bool
         Every nucleus is fine from the start: the reference for the adaptive run of the same case.
 
-    Raises
-    ------
-    InputError
-        Something in the case cannot be built.
-
     Attributes
     ----------
     case, full : Case, bool
@@ -55,6 +50,20 @@ class Simulation:
         What follows from the case and the state.
     state : State or None
         Where the run stands; None before its start. It goes on from a state that is put here.
+
+    Raises
+    ------
+    InputError
+        Something in the case cannot be built.
+
+    Examples
+    --------
+    >>> simulation = fissura.Simulation(case)
+    >>> simulation.bodies_start == len(simulation.tessellation)
+    True
+    >>> for step in simulation.steps():
+    ...     if step.load < 0.5 * result.peak_load:
+    ...         break
     """
 
     def __init__(self, case: Case, *, full: bool = False) -> None:
@@ -112,12 +121,22 @@ class Simulation:
     def start(self) -> State:
         """The state before the first step.
 
+        Returns
+        -------
+        State
+            The elastic structure, without load.
+
         Raises
         ------
         InputError
             The case is refused.
         RunStopped
             A calculation failed.
+
+        Examples
+        --------
+        >>> fissura.Simulation(case).start().number
+        0
         """
         with stopping(lambda: (1, 0.0, "m"), refusing=True):
             return started(self.model, (self.bodies_start, self.bodies_full))
@@ -133,6 +152,7 @@ class Simulation:
         Yields
         ------
         Step
+            One after another.
 
         Raises
         ------
@@ -141,6 +161,12 @@ class Simulation:
             valid.
         InputError
             The case is refused before its first step.
+
+        Examples
+        --------
+        >>> loads = [step.load for step in fissura.Simulation(case).steps()]
+        >>> max(loads) == result.peak_load
+        True
         """
         state = self.state = self.start() if self.state is None else self.state
         while not self.model.ended(state):

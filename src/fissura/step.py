@@ -43,6 +43,13 @@ class Snapshot:
         Crack opening ``L D e_N`` where ``e_N > 0`` [m].
     body_factor, contact_factor : (n,), (m,) array or None
         Relative strength at nuclei and at centroids of facets; None where it is the same everywhere.
+
+    Examples
+    --------
+    >>> state = result.last
+    >>> state.displacement.shape == (len(state.tessellation), 6)
+    True
+    >>> widest = state.tessellation.contacts.centroid[state.opening.argmax()]
     """
 
     tessellation: Tessellation
@@ -134,6 +141,13 @@ class Step:
         Force [N], and mean displacement of its place along it [m], of every load by its name.
     gauges : mapping of str to float
         Every gauge by its name [m].
+
+    Examples
+    --------
+    >>> simulation = fissura.Simulation(case)
+    >>> step = next(simulation.steps())
+    >>> step.number, step.load > 0.0
+    (1, True)
     """
 
     number: int

@@ -48,6 +48,12 @@ def case_from_dict(data: Mapping[str, Any], folder: str | Path = ".", *, files_e
     ------
     InputError
         If anything is wrong; the error names the first key, what is allowed, and counts further problems.
+
+    Examples
+    --------
+    >>> tables["control"] = {"target": "50 um"}
+    >>> fissura.case_from_dict(tables).control.target
+    5e-05
     """
     try:
         return Case.model_validate(dict(data), context={"folder": Path(folder), "files_exist": files_exist})
@@ -72,6 +78,11 @@ def load_case(path: str | Path) -> Case:
     ------
     InputError
         If the file cannot be read, is not TOML or JSON, or anything in it is wrong.
+
+    Examples
+    --------
+    >>> fissura.load_case("examples/beam_d100.toml").name
+    'beam_d100'
     """
     path = Path(path)
     text, data = read_case_file(path)

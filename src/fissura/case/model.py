@@ -168,7 +168,36 @@ def _named(name: str, one: P | None, many: Mapping[str, P]) -> tuple[Named[P], .
 class Case(Part):
     """A whole case: specimen, conditions, material, discretization and control.
 
-    Quantities are SI numbers; every default that depends on other keys is resolved.
+    Quantities are SI numbers; every default that depends on other keys is resolved. Attributes are the keys of a case
+    file (docs/case-file.md); a case is frozen, and `with_` makes another one.
+
+    Attributes
+    ----------
+    name : str
+        Name of the case, and of its folder of results.
+    seed : int
+        Seed of the random structure.
+    specimen, minus, notch
+        Shape of the specimen, what is taken away from it, and notches.
+    supports, load, loads, gravity
+        What holds it; the load, loads by name, and its weight.
+    gauge, gauges
+        The gauge, and gauges by name.
+    control, stage
+        How far it is loaded; or stages, one after another.
+    material, materials, field
+        Constants of the contacts, those of regions, and the random field.
+    discretization, adaptivity
+        Sizes of bodies, and how the run refines itself.
+    solver, output
+        How equations are solved, and what is written.
+
+    Examples
+    --------
+    >>> case.material.f_t
+    2200000.0
+    >>> case.supports[0].type
+    'pin'
     """
 
     name: str = "case"
@@ -205,7 +234,32 @@ class Case(Part):
         return None  # `load_case` puts the text in its place
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy with other values, see `Part.model_copy`; the text of the case file stays with it."""
+        """Copy with other values at the top; `with_` also reaches into tables.
+
+        The copy is validated, and defaults that were not given follow. The text of the case file stays with it.
+
+        Parameters
+        ----------
+        update : mapping, optional
+            New values by key, as a case file or a part of a case gives them.
+        deep : bool, optional
+            Whether parts that stay are copied, too.
+
+        Returns
+        -------
+        Case
+            The copy.
+
+        Raises
+        ------
+        InputError
+            A new value is wrong, or does not go with the others.
+
+        Examples
+        --------
+        >>> case.model_copy(update={"seed": 7}).seed
+        7
+        """
         found = super().model_copy(update=update, deep=deep)
         if "source" in self.__dict__:
             found.__dict__["source"] = self.source
@@ -234,8 +288,7 @@ class Case(Part):
 
         Examples
         --------
-        >>> case = load_case("examples/beam_d100.toml")
-        >>> stronger = case.with_({"material.f_t": "3 MPa", "supports[0].at": "60 mm"})
+        >>> stronger = case.with_({"material.f_t": "3 MPa", "supports[0].at": "11 mm"})
         >>> stronger.material.f_s / 1e6  # three times f_t, as before
         9.0
         """

@@ -19,7 +19,23 @@ class Part(BaseModel):
 
     @classmethod
     def table(cls, key: str) -> type[BaseModel] | None:
-        """Model of a table that is not among the fields; None where there is none."""
+        """Model of a table that is not among the fields.
+
+        Parameters
+        ----------
+        key : str
+            Name of the table.
+
+        Returns
+        -------
+        type of BaseModel, or None
+            None where there is none.
+
+        Examples
+        --------
+        >>> fissura.Case.table("specimen") is None  # it is a field
+        True
+        """
         return None
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
@@ -34,6 +50,11 @@ class Part(BaseModel):
             New values by key, as a case file or a part of a case gives them.
         deep : bool, optional
             Whether parts that stay are copied, too.
+
+        Returns
+        -------
+        Part
+            The copy.
 
         Raises
         ------

@@ -80,6 +80,11 @@ def animate(
         of the two; or ffmpeg is needed and missing, or fails.
     OSError
         The file cannot be written.
+
+    Examples
+    --------
+    >>> animate(folder, "run.gif", width=320, most=3)
+    3
     """
     path = Path(path)
     _check_format(path)

@@ -248,6 +248,11 @@ def read_curve(path: str | Path) -> Curve:
     ------
     InputError
         The file is missing, lacks a column, or has a word where a number belongs.
+
+    Examples
+    --------
+    >>> read_curve(folder)["load_N"].tolist() == result.load_values.tolist()
+    True
     """
     path = Path(path)
     if path.is_dir():

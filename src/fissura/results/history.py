@@ -211,6 +211,12 @@ def read_history(folder: str | Path) -> tuple[Frame, ...]:
     ------
     InputError
         There is no such folder, the run has not ended, an earlier version wrote its files, or the file is damaged.
+
+    Examples
+    --------
+    >>> frames = read_history(folder)
+    >>> frames[0].number, frames[-1].number == result.steps
+    (0, True)
     """
     folder = result_folder(folder)
     summary, path = read_summary(folder / "summary.json"), folder / FILE

@@ -99,6 +99,10 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
     ------
     InputError
         The folder does not hold the results of a run that has ended, with its section.
+
+    Examples
+    --------
+    >>> plot_moments(folder, Path("moments.png"))
     """
     result = Result.load(folder)
     frames = result.frames

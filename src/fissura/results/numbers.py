@@ -42,7 +42,23 @@ class Numbers:
         return self.values_of(self.case.quantity)
 
     def values_of(self, quantity: Quantity) -> NDArray[np.float64]:
-        """Gauge, or displacement of the load, at every step [m], shape (steps,)."""
+        """Gauge, or displacement of the load, at every step.
+
+        Parameters
+        ----------
+        quantity : {"gauge", "displacement"}
+            Which.
+
+        Returns
+        -------
+        (steps,) array
+            Its values [m].
+
+        Examples
+        --------
+        >>> bool(result.values_of("displacement")[-1] > 0.0)
+        True
+        """
         return self.curve[COLUMN_OF[quantity]].astype(np.float64)
 
     @property
@@ -82,6 +98,22 @@ class Numbers:
         return self.number("initial_stiffness_N_per_m")
 
     def number(self, key: str) -> float:
-        """A number of the summary; nan where there is none."""
+        """A number of the summary.
+
+        Parameters
+        ----------
+        key : str
+            One of ``summary.json``, see docs/files.md.
+
+        Returns
+        -------
+        float
+            Its value; nan where it is not known.
+
+        Examples
+        --------
+        >>> result.number("bodies_end") == len(result.last.tessellation)
+        True
+        """
         value = self.summary.get(key)
         return math.nan if value is None else float(value)

@@ -83,6 +83,10 @@ def plot_specimen(simulation: Simulation, path: str | Path, sight: Sight | None 
         Picture to write, such as ``specimen.png``.
     sight : Sight, optional
         From where.
+
+    Examples
+    --------
+    >>> plot_specimen(fissura.Simulation(case), "specimen.png")
     """
     case, look = simulation.case, (sight or Sight()).axes
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")

@@ -53,7 +53,7 @@ def specimen_view(simulation: Simulation, sight: Sight | None = None, *, off_scr
 
     Examples
     --------
-    >>> specimen_view(Simulation(load_case("beam.toml"))).show()  # doctest: +SKIP
+    >>> view = specimen_view(fissura.Simulation(case), off_screen=True)  # doctest: +RENDER
     """
     view, look = plotter(off_screen=off_screen), (sight or Sight()).axes
     surface, domain = simulation.tessellation.surface, simulation.domain
