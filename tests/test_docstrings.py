@@ -67,14 +67,14 @@ def members(name: str) -> Iterator[str]:
 
 def public() -> list[str]:
     """Names on the page, and what their classes have."""
-    names = [name for name in reference() if not found(name).__module__.startswith("fissura.ensemble")]
+    names = reference()
     return [one for name in names for one in (name, *(members(name) if inspect.isclass(found(name)) else ()))]
 
 
 def fields(value: Any) -> list[str]:
     """What a class of data has, or a function takes."""
     if inspect.isclass(value) and dataclasses.is_dataclass(value):
-        return [field.name for field in dataclasses.fields(value)]
+        return [field.name for field in dataclasses.fields(value) if not field.name.startswith("_")]
     if inspect.isclass(value) and issubclass(value, BaseModel):
         return list(value.model_fields)
     if inspect.isclass(value) and "__init__" not in vars(value):

@@ -107,7 +107,7 @@ def value_at(part: Part, key: str) -> Any:
 
     Examples
     --------
-    >>> value_at(load_case("examples/beam_d100.toml"), "supports[0].type")
+    >>> value_at(case, "supports[0].type")
     'pin'
     """
     now: Any = part

@@ -185,8 +185,8 @@ class Case(Part):
         The gauge, and gauges by name.
     control, stage
         How far it is loaded; or stages, one after another.
-    material, materials, field
-        Constants of the contacts, those of regions, and the random field.
+    material, materials, field, ensemble
+        Constants of the contacts, those of regions, the random field, and what differs in an ensemble.
     discretization, adaptivity
         Sizes of bodies, and how the run refines itself.
     solver, output

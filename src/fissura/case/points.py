@@ -73,7 +73,6 @@ def points_of(case: Case, vary: Varied, combine: Combine = "grid") -> tuple[Poin
 
     Examples
     --------
-    >>> case = load_case("examples/beam_d100.toml")
     >>> [point.values["material.f_t"] for point in points_of(case, {"material.f_t": ("2 MPa", "3 MPa")})]
     [2000000.0, 3000000.0]
     """

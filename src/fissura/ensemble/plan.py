@@ -126,6 +126,12 @@ class Plan:
     ------
     InputError
         The arguments do not fit together, or ask for a random field in a case without one.
+
+    Examples
+    --------
+    >>> plan = Plan(case, 3, master=7)
+    >>> plan.run(1).case.seed == plan.seeds(1)[0]
+    True
     """
 
     case: Case
@@ -206,11 +212,43 @@ class Plan:
         return points_of(self.case, self.vary, self.combine)
 
     def at(self, point: int) -> Plan:
-        """The plan of one point alone; numbers of its runs are different ones."""
+        """The plan of one point alone; numbers of its runs are different ones.
+
+        Parameters
+        ----------
+        point : int
+            Its number, from 0.
+
+        Returns
+        -------
+        Plan
+            One without varied keys.
+
+        Examples
+        --------
+        >>> Plan(case, 2, vary={"material.f_t": ("2 MPa", "3 MPa")}).at(1).case.material.f_t
+        3000000.0
+        """
         return replace(self, case=self.points[point].case, vary={}, combine="grid")
 
     def seeds(self, number: int) -> tuple[int, int | None]:
-        """Seed of the nuclei and seed of the field of a realisation, from 1 on; None without a field."""
+        """Seed of the nuclei and seed of the field of a realisation.
+
+        Parameters
+        ----------
+        number : int
+            Of the realisation, from 1 on.
+
+        Returns
+        -------
+        tuple of int, and of int or None
+            None without a field.
+
+        Examples
+        --------
+        >>> Plan(case, 2, chosen=(11, 12)).seeds(2)
+        (12, None)
+        """
         if self.chosen:
             seed = of_field = self.chosen[number - 1]
             if self.case.field is not None and self.case.field.seed is not None and seed == self.case.seed:
@@ -235,7 +273,23 @@ class Plan:
         return np.asarray(ndtri(LatinHypercube(self.leading_modes, rng=rng).random(self.runs)))
 
     def run(self, number: int) -> Task:
-        """The run of a number, from 1 on: first all points of the first realisation, then of the second, and so on."""
+        """The run of a number: first all points of the first realisation, then of the second, and so on.
+
+        Parameters
+        ----------
+        number : int
+            Of the run, from 1 on.
+
+        Returns
+        -------
+        Task
+            What is to be computed.
+
+        Examples
+        --------
+        >>> Plan(case, 2, chosen=(11, 12)).run(2).case.seed
+        12
+        """
         before, point = divmod(number - 1, len(self.points))
         realisation, case = before + 1, self.points[point].case
         nuclei, seed = self.seeds(realisation)
@@ -248,13 +302,40 @@ class Plan:
         return self._task(number, "run", realisation, point, changes)
 
     def companion(self, number: int) -> Task:
-        """The deterministic run with the nuclei of a realisation; with those of the case for realisation 0."""
+        """The deterministic run with the nuclei of a realisation; with those of the case for realisation 0.
+
+        Parameters
+        ----------
+        number : int
+            Of the companion, from 0 on.
+
+        Returns
+        -------
+        Task
+            What is to be computed.
+
+        Examples
+        --------
+        >>> Plan(case, 2).companion(0).case.seed == case.seed
+        True
+        """
         realisation, point = divmod(number, len(self.points))
         seed = self.case.seed if realisation == 0 else self.seeds(realisation)[0]
         return self._task(number, "companion", realisation, point, {"seed": seed, "field": None})
 
     def keys(self) -> Iterator[Key]:
-        """What the ensemble consists of, in order, each run after its companion; takes no time, unlike `tasks`."""
+        """What the ensemble consists of, in order, each run after its companion; takes no time, unlike `tasks`.
+
+        Yields
+        ------
+        tuple of str and int
+            Kind and number.
+
+        Examples
+        --------
+        >>> list(Plan(case, 2).keys())
+        [('companion', 0), ('run', 1), ('run', 2)]
+        """
         count = len(self.points)
         if self.companions == "one" or (self.companions == "each" and self.mode == "field"):
             yield from (("companion", number) for number in range(count))
@@ -265,12 +346,39 @@ class Plan:
                 yield "run", (realisation - 1) * count + point + 1
 
     def task(self, key: Key) -> Task:
-        """The run or companion of a number."""
+        """The run or companion of a key.
+
+        Parameters
+        ----------
+        key : tuple of str and int
+            Kind and number, as `keys` gives them.
+
+        Returns
+        -------
+        Task
+            What is to be computed.
+
+        Examples
+        --------
+        >>> Plan(case, 2).task(("run", 2)).number
+        2
+        """
         kind, number = key
         return self.run(number) if kind == "run" else self.companion(number)
 
     def tasks(self) -> Iterator[Task]:
-        """All runs of the ensemble in order, each after its companion; made one by one, as they are asked for."""
+        """All runs of the ensemble in order, each after its companion; made one by one, as they are asked for.
+
+        Returns
+        -------
+        iterator of Task
+            What is to be computed.
+
+        Examples
+        --------
+        >>> len(list(Plan(case, 2).tasks()))
+        3
+        """
         return map(self.task, self.keys())
 
     def _strata(self, number: int) -> dict[str, Any]:

@@ -45,6 +45,13 @@ class EnsembleResult:
         Where the files are.
     values : dict of str to float or str
         Of one point of a parameter study: its values of the varied keys, numbers in SI units.
+
+    Examples
+    --------
+    >>> study.complete, study.count("finished")
+    (True, 4)
+    >>> [group.values["material.f_t"] for group in study.groups]
+    [2000000.0, 3000000.0]
     """
 
     plan: Plan
@@ -55,7 +62,27 @@ class EnsembleResult:
 
     @classmethod
     def of(cls, plan: Plan, rows: Table, folder: Path) -> EnsembleResult:
-        """Result of a table of runs, in order of their numbers."""
+        """Result of a table of runs, in order of their numbers.
+
+        Parameters
+        ----------
+        plan : Plan
+            What was run.
+        rows : dict of str to (n,) array
+            The table, in any order.
+        folder : Path
+            Where the files are.
+
+        Returns
+        -------
+        EnsembleResult
+            The result.
+
+        Examples
+        --------
+        >>> EnsembleResult.of(study.plan, study.rows, study.folder).complete
+        True
+        """
         order = np.lexsort((rows["number"], rows["kind"]))
         return cls(plan, {name: column[order] for name, column in rows.items()}, folder)
 
@@ -63,10 +90,25 @@ class EnsembleResult:
     def load(cls, folder: str | Path) -> EnsembleResult:
         """Read the folder of an ensemble.
 
+        Parameters
+        ----------
+        folder : path
+            The folder.
+
+        Returns
+        -------
+        EnsembleResult
+            What was in it.
+
         Raises
         ------
         InputError
             There is no ensemble, or a file of it is broken.
+
+        Examples
+        --------
+        >>> bool((EnsembleResult.load(study.folder).peaks == study.peaks).all())
+        True
         """
         from fissura.case import case_from_dict
         from fissura.case.ensemble import lists_of_values
@@ -101,8 +143,8 @@ class EnsembleResult:
 
         Examples
         --------
-        >>> for group in study.groups:
-        ...     print(group.values["material.f_t"], group.peaks.mean())
+        >>> [len(group.peaks) for group in study.groups]
+        [2, 2]
         """
         if not self.plan.vary:
             return (self,)
@@ -140,7 +182,25 @@ class EnsembleResult:
         return band([self.paths[number] for number in finished.tolist() if number in self.paths])
 
     def place(self, number: int, kind: Kind = "run") -> Path:
-        """Folder of a run or companion."""
+        """Folder of a run or companion.
+
+        Parameters
+        ----------
+        number : int
+            Its number.
+        kind : {"run", "companion"}, optional
+            Which of the two.
+
+        Returns
+        -------
+        Path
+            The folder.
+
+        Examples
+        --------
+        >>> study.place(1).name
+        '0001'
+        """
         from fissura.ensemble.store import Store
 
         return Store(self.folder).place(kind, number)
@@ -148,15 +208,48 @@ class EnsembleResult:
     def result(self, number: int, kind: Kind = "run") -> Result:
         """A run, or a companion, as `Result`.
 
+        Parameters
+        ----------
+        number : int
+            Its number.
+        kind : {"run", "companion"}, optional
+            Which of the two.
+
+        Returns
+        -------
+        Result
+            What its folder holds.
+
         Raises
         ------
         InputError
             There is no such run.
+
+        Examples
+        --------
+        >>> study.result(1).status
+        'finished'
         """
         return Result.load(self.place(number, kind))
 
     def count(self, status: str) -> int:
-        """Number of runs, without companions, that ended with a status."""
+        """Number of runs, without companions, that ended with a status.
+
+        Parameters
+        ----------
+        status : str
+            Such as ``"finished"`` or ``"stopped"``.
+
+        Returns
+        -------
+        int
+            How many.
+
+        Examples
+        --------
+        >>> study.count("failed")
+        0
+        """
         return int((self.runs["status"] == status).sum())
 
     @property
@@ -166,7 +259,18 @@ class EnsembleResult:
         return bool((self.rows["status"] == "finished").all()) and self.count("finished") == wanted
 
     def unfinished(self) -> list[tuple[str, str]]:
-        """Name and reason of every run or companion that did not finish."""
+        """Name and reason of every run or companion that did not finish.
+
+        Returns
+        -------
+        list of (str, str)
+            In order; empty where all finished.
+
+        Examples
+        --------
+        >>> study.unfinished()
+        []
+        """
         bad = select(self.rows, self.rows["status"] != "finished")
         return [
             (f"{kind} {number:04d}", f"{status}: {error}")
@@ -174,7 +278,12 @@ class EnsembleResult:
         ]
 
     def write(self) -> None:
-        """Write ``statistics.json`` and ``mean_curve.csv``; of a parameter study ``groups.csv``, too."""
+        """Write ``statistics.json`` and ``mean_curve.csv``; of a parameter study ``groups.csv``, too.
+
+        Examples
+        --------
+        >>> study.write()
+        """
         write_json(self.folder / "statistics.json", self._statistics())
         bands = [(group.values, group.band) for group in self.groups]
         write_bands([(values, found) for values, found in bands if found is not None], self.folder / "mean_curve.csv")
@@ -187,7 +296,18 @@ class EnsembleResult:
         return {"groups": [{"values": group.values, **group.statistics.as_dict()} for group in self.groups]}
 
     def table(self) -> list[tuple[str, str]]:
-        """Rows of name and value that describe the ensemble."""
+        """Rows of name and value that describe the ensemble.
+
+        Returns
+        -------
+        list of (str, str)
+            As ``fissura ensemble`` prints them.
+
+        Examples
+        --------
+        >>> len(study.table()) > 3
+        True
+        """
         return rows_of(self)
 
     def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None, **line: Any) -> Axes:
@@ -215,8 +335,8 @@ class EnsembleResult:
 
         Examples
         --------
-        >>> study.plot()
-        >>> study.plot(x="material.f_t", y="peak_load")
+        >>> ax = study.plot()
+        >>> ax = study.plot(x="material.f_t", y="peak_load")
         """
         from fissura.ensemble.plotting import plot_curves_of, plot_rows
 
@@ -230,6 +350,11 @@ class EnsembleResult:
         groups : bool, optional
             The table of ``groups.csv`` instead: one row for each point of a parameter study.
 
+        Returns
+        -------
+        pandas.DataFrame
+            Numbers of the runs, or of the points, are its index.
+
         Raises
         ------
         InputError
@@ -237,7 +362,9 @@ class EnsembleResult:
 
         Examples
         --------
-        >>> study.to_dataframe().groupby("material.f_t")["peak_load_N"].mean()
+        >>> means = study.to_dataframe().groupby("material.f_t")["peak_load_N"].mean()
+        >>> list(means.index)
+        [2000000.0, 3000000.0]
         """
         from fissura.results.dataframe import frame
 
@@ -264,6 +391,11 @@ class EnsembleResult:
             The folder holds something else, or cannot be written.
         OSError
             A file cannot be written.
+
+        Examples
+        --------
+        >>> study.save("results/study").folder.name
+        'study'
         """
         from fissura.ensemble.store import copied
 

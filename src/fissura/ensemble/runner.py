@@ -117,6 +117,12 @@ def run_ensemble(
     EnsembleStopped
         The scheduler has gone, or no process can be started. As with KeyboardInterrupt and OSError, what has ended is
         on disk, and ``resume`` goes on.
+
+    Examples
+    --------
+    >>> ensemble = fissura.run_ensemble(case, 2, output="results/ensemble", workers=1)
+    >>> len(ensemble.peaks)
+    2
     """
     require_packages(cluster=scheduler is not None)
     case = case_from_dict(case) if isinstance(case, Mapping) else case if isinstance(case, Case) else load_case(case)

@@ -47,6 +47,11 @@ class Statistics:
     rows : dict of str to dict
         For each of `QUANTITIES` its mean, standard deviation (with ``n - 1``), coefficient of variation, smallest,
         5 %, 50 %, 95 %, largest value, and number of values.
+
+    Examples
+    --------
+    >>> round(study.statistics.rows["peak_load_N"]["mean"], 6) == round(float(study.peaks.mean()), 6)
+    True
     """
 
     counted: NDArray[np.bool_]
@@ -57,7 +62,18 @@ class Statistics:
     rows: dict[str, dict[str, float]]
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data, as in ``statistics.json``; None for what is not a finite number."""
+        """Plain data, as in ``statistics.json``.
+
+        Returns
+        -------
+        dict
+            Numbers, text and lists; None for what is not a finite number.
+
+        Examples
+        --------
+        >>> "peak_load_N" in str(study.statistics.as_dict())
+        True
+        """
         last = self.convergence
         sure = {}
         if len(last.n):

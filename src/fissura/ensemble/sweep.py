@@ -83,9 +83,11 @@ def sweep(
 
     Examples
     --------
-    >>> study = fissura.sweep("beam.toml", {"material.f_t": ["2.5 MPa", "3 MPa"]}, seeds=3)
-    >>> study.plot()
-    >>> study.to_dataframe(groups=True)["mean_peak_load_N"]
+    >>> study = fissura.sweep(case, {"material.f_t": ["2 MPa", "3 MPa"]}, seeds=2, workers=1)
+    >>> ax = study.plot()
+    >>> weak, strong = study.to_dataframe(groups=True)["mean_peak_load_N"]
+    >>> weak < strong
+    True
     """
     runs = whole(seeds)
     if resume and output is None:
