@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
+import json
 import re
 from pathlib import Path
+
+import pytest
 
 import fissura
 
@@ -26,3 +30,17 @@ def test_every_page_is_in_the_navigation() -> None:
 def test_every_public_name_is_in_the_reference() -> None:
     shown = set(re.findall(r"^::: (\S+)$", page("api.md"), re.MULTILINE))
     assert {f"fissura.{name}" for name in fissura.__all__ if name != "__version__"} <= shown
+
+
+def test_every_example_has_an_entry_and_every_entry_an_example(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With its picture, what a run has found, and what it shows in the words of its file."""
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    examples = importlib.import_module("examples")
+    names = {path.stem for path in (ROOT / "examples").glob("*.toml")}
+    text = page("examples.md")
+    assert sorted(name for group in examples.GROUPS.values() for name in group) == sorted(names)
+    assert set(re.findall(r"^### (\w+)$", text, re.MULTILINE)) == names
+    assert set(json.loads(examples.FOUND.read_text(encoding="utf-8"))) == names
+    assert {path.stem for path in examples.PICTURES.glob("*.png")} == names
+    assert [name for name in sorted(names) if examples.about(name) not in text] == []
+    assert examples.page(json.loads(examples.FOUND.read_text(encoding="utf-8"))).strip() in text
