@@ -1,4 +1,4 @@
-"""How far adaptive runs are from full resolution, and what they save: the study of docs/adaptivity.md.
+"""How far adaptive runs are from full resolution, and what they save: the study of docs/study.md.
 
 Runs benchmarks/study.toml, or what is left of it to do, and writes its tables and pictures. It may be interrupted; the
 same command goes on from there.

@@ -16,8 +16,8 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 #: Packages that are not imported by the name under which they are installed.
 IMPORTED_AS = {"pillow": "PIL", "py-mkl-pardiso": "pymklpardiso"}
 
-#: Imported only where the user has them; a message says so where they are missing.
-FOUND_OR_NOT = {"gmsh"}
+#: Imported only where the user has them: a message says so where gmsh is missing; in a notebook IPython is there.
+FOUND_OR_NOT = {"gmsh", "IPython"}
 
 #: What another package needs as it is and brings along, in one version that fits: numba and pydantic.
 BROUGHT = {"llvmlite", "pydantic_core"}

@@ -187,7 +187,7 @@ def check_pip(words: list[str]) -> None:
 
 def check_examples(text: str) -> None:
     """Files of the repository that are named exist."""
-    for name in re.findall(r"(?<![\w/])((?:examples|benchmarks|docs)/[\w./-]+\.\w+)", text):
+    for name in re.findall(r"(?<![\w/])((?:examples|benchmarks)/[\w./-]+\.\w+)", text):
         assert (ROOT / name).exists(), name
 
 

@@ -2,7 +2,7 @@
 
 Elastic contacts stand for contacts that would be damaged at full resolution once they come near their strength, and the
 nearer the coarse part is to the crack, the more its elastic field is off. Over the runs of the study in
-``docs/adaptivity.md`` the largest elastic utilisation and the radius `r_f` together bound the error of the load.
+``docs/study.md`` the largest elastic utilisation and the radius `r_f` together bound the error of the load.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ class Level:
     ----------
     tolerance : float
         Largest difference of the load from that of full resolution, over the peak load, in 93 % or more of the
-        runs of the study in `docs/adaptivity.md`, or less.
+        runs of the study in `docs/study.md`, or less.
     gamma : float
         As in a case.
     r_f : float
