@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fissura.ensemble.runner import run_ensemble
     from fissura.ensemble.sweep import sweep
     from fissura.errors import InputError, RunStopped
+    from fissura.pages import report
     from fissura.results import Comparison, Result, compare
     from fissura.simulation import Simulation
 
@@ -36,6 +37,7 @@ __all__ = [
     "check",
     "compare",
     "load_case",
+    "report",
     "run",
     "run_ensemble",
     "sweep",
@@ -54,6 +56,7 @@ _HOME = {
     "check": "fissura.checking",
     "compare": "fissura.results",
     "load_case": "fissura.case",
+    "report": "fissura.pages",
     "run": "fissura.api",
     "run_ensemble": "fissura.ensemble.runner",
     "sweep": "fissura.ensemble.sweep",

@@ -13,6 +13,7 @@ from fissura.cli.console import NOT_WRITTEN, say
 from fissura.cli.elastic import elastic
 from fissura.cli.ensemble import ensemble
 from fissura.cli.pictures import animate, compare, moments, show
+from fissura.cli.report import report
 from fissura.cli.running import check, new, run, schema
 from fissura.cli.streams import forgiving, unwritten
 from fissura.cli.study import study
@@ -27,7 +28,7 @@ app = typer.Typer(
 )
 
 # In the order in which the help lists them.
-for command in (run, check, new, schema, show, compare, moments, animate, elastic, ensemble, study):
+for command in (run, check, new, schema, show, report, compare, moments, animate, elastic, ensemble, study):
     app.command()(command)
 
 

@@ -12,6 +12,7 @@ from rich.console import Console
 
 from fissura.cli.console import errors, file_names, go_on, not_written, print_table, say, warnings
 from fissura.cli.options import CaseArgument, FullOption, OverwriteOption, QuietOption
+from fissura.cli.report import report_at_end, reported
 from fissura.errors import InputError
 from fissura.interrupts import interruptible
 
@@ -33,10 +34,11 @@ def run(
     overwrite: OverwriteOption = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed, instead of that of the case.")] = None,
+    report: Annotated[bool, typer.Option("--report", help="Write a page about it at the end: report.html.")] = False,
     quiet: QuietOption = False,
 ) -> None:
     """Run a case and write its results."""
-    with errors(), interruptible(say):
+    with errors(), interruptible(say), report_at_end(wanted=report):
         from fissura import api
         from fissura.case import load_case
         from fissura.progress import RunProgress
@@ -75,6 +77,8 @@ def run(
             say(f"the run in {folder} has ended, and {farther}: nothing was changed")
         if not quiet:
             print_table([*result.table(), ("results", str(folder)), ("files", file_names(folder))])
+        if report:
+            reported(result)
 
 
 def check(case: CaseArgument) -> None:

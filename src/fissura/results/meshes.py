@@ -16,7 +16,12 @@ if TYPE_CHECKING:
 
     from fissura.results.result import Result
 
-__all__ = ["meshes_of", "step_of"]
+__all__ = ["meshes_of", "step_of", "steps_with_states"]
+
+
+def steps_with_states(result: Result) -> list[int]:
+    """Numbers of the steps whose states there are, in memory or as files for ParaView; ascending."""
+    return sorted({*result.snapshots, *_written(result.folder)})
 
 
 def step_of(result: Result, step: int | None) -> int:
@@ -27,7 +32,7 @@ def step_of(result: Result, step: int | None) -> int:
     InputError
         There is no state of this step, or of any.
     """
-    known = sorted({*result.snapshots, *_written(result.folder)})
+    known = steps_with_states(result)
     if not known:
         raise InputError(str(result.folder or result.case.name), "has no states of steps")
     if step is None:

@@ -20,9 +20,19 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
+    from fissura.case import Case
     from fissura.results.result import Result
 
-__all__ = ["column_among", "column_named", "new_axes", "plot_columns", "scaled_axis", "split_unit"]
+__all__ = [
+    "column_among",
+    "column_named",
+    "column_title",
+    "new_axes",
+    "plot_columns",
+    "scale_of",
+    "scaled_axis",
+    "split_unit",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -102,7 +112,8 @@ def plot_columns(result: Result, x: str | None, y: str, ax: Axes | None, line: d
     factors = []
     for column, axis in zip(columns, (ax.xaxis, ax.yaxis), strict=True):
         values = result.curve[column].astype(np.float64)
-        factor, label = scaled_axis(column, _name(result, column), values, axis.get_label_text())
+        title = literal(column_title(result.case, column))
+        factor, label = scaled_axis(column, title, values, axis.get_label_text())
         factors.append(factor)
         axis.set_label_text(label)
     kind = " at full resolution" if result.full else ""
@@ -120,12 +131,31 @@ def new_axes(size: tuple[float, float]) -> Axes:
     return pyplot.subplots(figsize=size, layout="constrained")[1]
 
 
-def _name(result: Result, column: str) -> str:
-    """What a column is called on axes."""
+def column_title(case: Case, column: str) -> str:
+    """What a column is called on axes, without its unit."""
     for quantity, known in COLUMN_OF.items():
         if column == known:
-            return literal(value_axis(result.case, quantity))
-    return literal(load_name(result.case) if column == "load_N" else split_unit(column)[0].replace("_", " "))
+            return value_axis(case, quantity)
+    return load_name(case) if column == "load_N" else split_unit(column)[0].replace("_", " ")
+
+
+def scale_of(unit: str, values: FloatArray) -> tuple[float, str]:
+    """Factor on values, and the unit in which they are shown then.
+
+    Parameters
+    ----------
+    unit : str
+        One of `SCALES`.
+    values : array
+        In that unit; those that are not finite do not count.
+
+    Examples
+    --------
+    >>> scale_of("N", np.array([0.0, 1530.0]))
+    (0.001, 'kN')
+    """
+    largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    return next((factor, text) for below, factor, text in SCALES[unit] if largest < below)
 
 
 def scaled_axis(column: str, name: str, values: FloatArray, label: str) -> tuple[float, str]:
@@ -137,6 +167,5 @@ def scaled_axis(column: str, name: str, values: FloatArray, label: str) -> tuple
     for _, factor, text in SCALES[unit]:
         if shown and shown[1] == text:
             return factor, label
-    largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
-    factor, text = next((factor, text) for below, factor, text in SCALES[unit] if largest < below)
+    factor, text = scale_of(unit, values)
     return factor, f"{name} [{text}]"

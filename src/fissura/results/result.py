@@ -405,6 +405,33 @@ class Result(Numbers):
         view = result_view(self, step, magnify=magnify, off_screen=True if output is not None else None)
         return shown(view, self.case.name, None if output is None else Path(output))
 
+    def report(self, path: str | Path | None = None) -> Path:
+        """Write one page in HTML about the run, as `fissura.report` does; needs the extra ``report``.
+
+        Parameters
+        ----------
+        path : path, optional
+            File to write; by default ``report.html`` in the folder of the results.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError, OSError
+            As `fissura.report`.
+
+        Examples
+        --------
+        >>> result.report("beam.html")  # doctest: +SKIP
+        PosixPath('beam.html')
+        """
+        from fissura.pages import report
+
+        return report(self, path)
+
     def _repr_html_(self) -> str:
         from fissura.results.html import result_html
 

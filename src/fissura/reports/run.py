@@ -1,0 +1,129 @@
+"""The page of a run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fissura.errors import InputError
+from fissura.reports.bodies import shown_steps, states_of
+from fissura.reports.columns import columns_of, measured_of
+from fissura.reports.libraries import require_libraries
+from fissura.reports.origin import bibtex, bound_told, cited, origin_rows, status_told
+from fissura.reports.page import rendered, write_page
+from fissura.reports.view import legend_of, scene_of
+from fissura.results import quantities as text
+from fissura.results.meshes import steps_with_states
+from fissura.specimen import domain_from_case
+
+if TYPE_CHECKING:
+    from fissura.results.result import Result
+    from fissura.specimen import Domain
+
+__all__ = ["run_page", "write_run_page"]
+
+
+def write_run_page(result: Result, path: Path) -> None:
+    """Write the page of a run, as a whole or not at all.
+
+    Parameters
+    ----------
+    result : Result
+        Any run, also one that did not finish, or left no states.
+    path : Path
+        File to write.
+
+    Raises
+    ------
+    InputError
+        The extra ``report`` is not installed, or the page would be larger than 15 MB.
+    OSError
+        It cannot be written.
+    """
+    write_page(run_page(result), path)
+
+
+def run_page(result: Result) -> str:
+    """Make the page of a run; see `write_run_page`."""
+    require_libraries()
+    domain, notices = _domain(result)
+    states, told = _states(result)
+    scene = None if domain is None else scene_of(result.case, domain, states)
+    status = status_told(result)
+    values = {
+        "title": result.case.name,
+        "subtitle": _subtitle(result),
+        "notices": [*([status] if status else []), *notices, *([] if result.steps else ["The run has no steps."])],
+        "warnings": list(result.summary.get("warnings") or ()),
+        "has_curve": result.steps > 0,
+        "has_view": scene is not None,
+        "has_states": bool(states),
+        "view_caption": told,
+        "signs": [] if domain is None else legend_of(result.case, domain),
+        "numbers": result.table(),
+        "origin": origin_rows(result),
+        "bound": bound_told(result),
+        "source": result.case.source or _source(result),
+        "resolved": json.dumps(result.case.model_dump(mode="json", exclude={"source"}), indent=1, ensure_ascii=False),
+        "cite": cited(result),
+        "bibtex": bibtex(result),
+    }
+    if not result.steps:
+        return rendered("run.html", values)
+    data = {"kind": "run", "curve": columns_of(result), "measured": measured_of(result), "scene": scene}
+    return rendered("run.html", values, data)
+
+
+def _states(result: Result) -> tuple[list[dict[str, Any]], str]:
+    """States for the 3D view, and what to say of them."""
+    recorded = steps_with_states(result)
+    if not recorded:
+        return (
+            [],
+            "The specimen before the run, which left no states: output.vtk is 0, or the run was killed.",
+        )
+    states = states_of(result, shown_steps(result))
+    if not states:
+        return [], "The specimen before the run: its bodies do not fit into a page of 15 MB."
+    told = (
+        f"{_counted(len(states), 'step')} of {result.steps}, those whose states were recorded; a larger output.vtk in"
+        " the case records more. Drawn are the outer faces of bodies and the contacts with damage, where the mean of"
+        " their two bodies is."
+    )
+    if len(states) < len(recorded):
+        told += f" {len(recorded) - len(states)} more recorded steps were left out, to keep this page small."
+    hidden = sum(state["cracks"]["left_out"] for state in states)
+    if hidden:
+        told += f" {text.count(hidden)} of the facets with damage, those that opened least, were left out likewise."
+    return states, told
+
+
+def _domain(result: Result) -> tuple[Domain | None, list[str]]:
+    """The specimen; None, and why, where a file that describes it is gone."""
+    try:
+        return domain_from_case(result.case), []
+    except InputError as error:
+        return None, [f"The specimen cannot be drawn: {error}"]
+
+
+def _subtitle(result: Result) -> str:
+    kind = "at full resolution" if result.full else "adaptive"
+    parts = [f"{kind}, {_counted(result.steps, 'step')}"]
+    if result.steps:
+        parts.append(f"peak load {text.force(result.peak_load)}")
+    return ", ".join(parts) + "."
+
+
+def _source(result: Result) -> str | None:
+    """The case as it was written, where the folder has it."""
+    if result.folder is None:
+        return None
+    try:
+        return (result.folder / "case.toml").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return None
+
+
+def _counted(number: int, name: str) -> str:
+    return f"{number} {name}{'' if number == 1 else 's'}"
