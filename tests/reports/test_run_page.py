@@ -140,9 +140,8 @@ def test_text_of_users_stands_letter_by_letter(tmp_path):
         ("strange", "The status of the run is strange"),
     ],
 )
-def test_a_run_that_did_not_finish(tmp_path, status, words):
-    made(tmp_path, status=status)
-    assert words in Reader(run_page(Result.load(tmp_path))).text
+def test_a_run_that_did_not_finish(status, words):
+    assert words in Reader(run_page(made(None, status=status))).text
 
 
 def test_a_killed_run(tmp_path):

@@ -15,8 +15,8 @@ fissura.Curve = class {
     const layout = {
       paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: ink },
       margin: { l: 50, r: 15, t: 30, b: 55 }, modebar: { bgcolor: "rgba(0,0,0,0)", color: line, activecolor: ink }, hovermode: "closest", showlegend: false, autosize: true,
-      legend: { orientation: "h", y: -0.2 }, xaxis: { ...axis, title: { text: x } },
-      yaxis: { ...axis, title: { text: y } }, uirevision: `${x} ${y}`, ...more,
+      legend: { orientation: "h", y: -0.2 }, xaxis: { ...axis, title: { text: x, standoff: 10 } },
+      yaxis: { ...axis, title: { text: y, standoff: 10 } }, uirevision: `${x} ${y}`, ...more,
     };
     return this.Plotly.react(this.node, this.themed(traces), layout, this.config);
   }
