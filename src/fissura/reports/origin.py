@@ -78,9 +78,9 @@ def cited(result: Result) -> list[str]:
     which = f", commit {commit}" if commit != NOT_RECORDED else ""
     kind = "at full resolution" if result.full else "adaptive"
     return [
-        f"Fissura {versions.get('fissura', 'unknown')}{which}: adaptive discrete models of the fracture of concrete."
-        f" Name the case, the seed ({result.summary.get('seed', result.case.seed)}) and that the run is {kind}:"
-        " with them, the same program gives the same numbers on the same kind of machine.",
+        f"The Fissura developers, Fissura {versions.get('fissura', 'unknown')}{which}: adaptive discrete models of"
+        f" fracture. Name the case, the seed ({result.summary.get('seed', result.case.seed)}) and that the run is"
+        f" {kind}: with them, the same program gives the same numbers on the same kind of machine.",
         "The model follows J. Eliáš, Adaptive technique for discrete models of fracture, Int. J. Solids Struct. 100–101"
         f" (2016) 376–387{_LAWS.get(result.case.material.law, '')}.",
     ]
@@ -94,7 +94,8 @@ def bibtex(result: Result) -> str:
     note = f"seed {summary.get('seed', result.case.seed)}" + (f", commit {commit}" if commit != NOT_RECORDED else "")
     lines = [
         "@misc{fissura,",
-        "  title   = {Fissura: adaptive discrete models of the fracture of concrete},",
+        "  author  = {{The Fissura developers}},",
+        "  title   = {Fissura: adaptive discrete models of fracture},",
         f"  version = {{{version}}},",
         *([f"  year    = {{{date[:4]}}},"] if date else []),
         f"  note    = {{Computer program; {note}}}",
