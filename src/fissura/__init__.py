@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from fissura.ensemble.sweep import sweep
     from fissura.errors import InputError, RunStopped
     from fissura.pages import report
-    from fissura.results import Comparison, Result, compare
+    from fissura.results import Result
+    from fissura.results.compare import compare
+    from fissura.results.comparison import Comparison
     from fissura.simulation import Simulation
 
     __version__: str

@@ -82,7 +82,7 @@ def reports(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """What reports are asked for, instead of any."""
     asked: list[Any] = []
 
-    def report(source: Any, path: Path | None = None) -> Path:
+    def report(source: Any, path: Path | None = None, **more: Any) -> Path:
         asked.append(source)
         wanted = Path("report.html")
         wanted.write_text("page")
@@ -117,7 +117,7 @@ def test_a_run_that_stops_has_a_report_too(
 def test_a_report_that_fails_leaves_the_run(
     tiny: Path, fake: type[FakeSimulation], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fails(source: Result, path: Path | None = None) -> Path:
+    def fails(source: Result, path: Path | None = None, **more: Any) -> Path:
         raise InputError("report.html", "is there, and Fissura did not write it", "another name")
 
     monkeypatch.setattr(fissura.pages, "report", fails)

@@ -150,7 +150,7 @@ def test_a_study_as_its_runs_alone(tiny: Build, tmp_path: Path) -> None:
     statistics = json.loads((tmp_path / "out" / "statistics.json").read_text())
     assert [group["values"]["material.G_t"] for group in statistics["groups"]] == [30, 35, 30, 35]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert page.count("data:image/png;base64,") == 3
+    assert page.count("data:image/png;base64,") == 2
     assert "2.5 MPa" in page
 
 

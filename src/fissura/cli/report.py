@@ -24,20 +24,29 @@ def report(
     output: Annotated[
         Path | None, typer.Option(help="File to write, .html.", show_default="RESULT/report.html")
     ] = None,
+    runs: Annotated[
+        bool, typer.Option("--runs", help="Of an ensemble: write pages of all its runs, too, and link them.")
+    ] = False,
 ) -> None:
-    """Write one page about a run: its curve, bodies and cracks in 3D step by step, warnings, where it comes from."""
+    """Write one page about a run, or an ensemble: curves and a 3D view that move, warnings, where it comes from."""
     with errors():
-        reported(folder, output)
+        reported(folder, output, runs=runs)
 
 
-def reported(source: Path | Result, output: Path | None = None) -> None:
+def reported(source: Path | Result, output: Path | None = None, *, runs: bool = False) -> None:
     """Write a report, and say where it is."""
+    from rich.progress import Progress
+
     from fissura.pages import NAME
     from fissura.pages import report as write
 
+    console = Console(stderr=True)
     try:
-        with warnings(Console(stderr=True)):
-            path = write(source, output)
+        with warnings(console), Progress(console=console, transient=True, disable=not runs) as bar:
+            task = bar.add_task("pages of runs", total=None)
+            path = write(
+                source, output, runs=runs, on_run=lambda done, count: bar.update(task, completed=done, total=count)
+            )
     except OSError as error:
         raise not_written(error, error.filename or output or NAME) from None
     typer.echo(f"report: {path}, {path.stat().st_size / 1e6:.1f} MB")

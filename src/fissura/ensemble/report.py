@@ -4,24 +4,34 @@ from __future__ import annotations
 
 import base64
 import math
+import os
 from functools import partial
-from importlib.resources import files
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 import numpy as np
 
 from fissura.ensemble.groups import group_rows
+from fissura.ensemble.interactive import page_data
 from fissura.ensemble.pictures import PICTURES
 from fissura.ensemble.statistics import QUANTITIES
 from fissura.ensemble.table import varied_keys
+from fissura.errors import InputError
 from fissura.files import write_atomically
 from fissura.folder import Folder
+from fissura.reports.libraries import have_libraries
+from fissura.reports.origin import origin_rows
+from fissura.reports.page import rendered, write_page
 from fissura.results import quantities as text
-from fissura.results.lettering import attempted, rendered
+from fissura.results.lettering import attempted
+from fissura.results.lettering import rendered as png_of
 from fissura.results.pictures import DPI
 from fissura.results.provenance import versions
+from fissura.results.summary import read_summary
 
 if TYPE_CHECKING:
+    from fissura.ensemble.plan import Kind
     from fissura.ensemble.result import EnsembleResult
 
 __all__ = ["write_report"]
@@ -44,6 +54,9 @@ TEXTS = {
     "independent runs from a Gaussian population.",
 }
 
+MOVING = ("curves", "curves_by_value")
+"""Pictures that a page with curves that move need not show."""
+
 FORMATS: dict[str, text.Formatter] = {
     "peak_load_N": text.force,
     "gauge_at_peak_m": text.length,
@@ -54,55 +67,78 @@ FORMATS: dict[str, text.Formatter] = {
 }
 
 
-def write_report(result: EnsembleResult) -> None:
-    """Write ``report.html``, and its pictures into the folder ``pictures``.
+MOST_ROWS = 2000
+"""Runs that the table of a page lists, at most."""
+
+
+def write_report(result: EnsembleResult, path: Path | None = None) -> Path:
+    """Write the page of an ensemble, and its pictures into the folder ``pictures``.
+
+    Curves and specimen move where the extra ``report`` is installed; elsewhere there are pictures only.
 
     Parameters
     ----------
     result : EnsembleResult
         An ensemble; pictures that would show nothing are left out.
+    path : Path, optional
+        File to write; by default ``report.html`` in the folder of the ensemble; pictures get no files of their own
+        elsewhere.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        The page would be larger than 15 MB.
+    OSError
+        A file cannot be written.
     """
-    from jinja2 import Environment
+    page = result.folder / "report.html" if path is None else path
+    data, interactive = page_data(result) if have_libraries() else (None, None)
+    pictures = _pictures(result, keep=path is None)
+    values = {
+        "title": f"{result.plan.case.name}: {result.plan.runs * len(result.plan.points)} runs",
+        "overview": result.table(),
+        "unfinished": result.unfinished(),
+        "interactive": interactive,
+        "varied": bool(result.plan.vary),
+        "curves": len(result.paths),
+        "pictures": [picture for picture in pictures if interactive is None or picture["name"] not in MOVING],
+        "statistics": (_by_point if result.plan.vary else _statistics)(result),
+        "table": _table(result, page.parent),
+        "origin": _origin(result),
+        "source": result.plan.case.source or _source(result),
+    }
+    write_page(rendered("report.html", values, data, package="fissura.ensemble"), page)
+    return page
 
-    template = (files("fissura.ensemble") / "templates" / "report.html").read_text(encoding="utf-8")
-    page = (
-        Environment(autoescape=True)
-        .from_string(template)
-        .render(
-            name=result.plan.case.name,
-            runs=result.plan.runs * len(result.plan.points),
-            version=versions()["fissura"],
-            overview=result.table(),
-            unfinished=result.unfinished(),
-            pictures=_pictures(result),
-            statistics=(_by_point if result.plan.vary else _statistics)(result),
-            table=_table(result),
-            source=result.plan.case.source,
-        )
-    )
-    write_atomically(result.folder / "report.html", page.encode(errors="replace"))
 
-
-def _pictures(result: EnsembleResult) -> list[dict[str, str]]:
-    folder, own = result.folder / "pictures", Folder.kept(result.folder, "ensemble")
-    folder.mkdir(exist_ok=True)
+def _pictures(result: EnsembleResult, *, keep: bool) -> list[dict[str, str]]:
+    """Pictures of the page, which are files of their own, too, where they are to be kept."""
+    folder, own = result.folder / "pictures", Folder.kept(result.folder, "ensemble") if keep else None
+    if own is not None:
+        folder.mkdir(exist_ok=True)
     shown = []
     for name, (draw, caption) in PICTURES.items():
         figure = attempted(f"{name}.png", partial(draw, result))
         path = folder / f"{name}.png"
         if figure is None:
-            if f"pictures/{path.name}" in own.names():
+            if own is not None and f"pictures/{path.name}" in own.names():
                 path.unlink(missing_ok=True)
             continue
-        own.add(f"pictures/{path.name}")
-        data = attempted(path.name, partial(rendered, figure, form="png", dpi=DPI))
+        data = attempted(path.name, partial(png_of, figure, form="png", dpi=DPI))
         if data is None:
             continue
-        write_atomically(path, data)
+        if own is not None:
+            own.add(f"pictures/{path.name}")
+            write_atomically(path, data)
         note = TEXTS[name]
         if name == "convergence" and result.plan.sampling == "latin-hypercube":
             note += " Only all runs together are a Latin hypercube, and its mean scatters less than the interval says."
-        shown.append({"caption": caption, "text": note, "data": base64.b64encode(data).decode()})
+        shown.append({"name": name, "caption": caption, "text": note, "data": base64.b64encode(data).decode()})
     return shown
 
 
@@ -130,13 +166,15 @@ def _by_point(result: EnsembleResult) -> dict[str, Any]:
     return {"heads": heads, "rows": rows}
 
 
-def _table(result: EnsembleResult) -> dict[str, Any]:
+def _table(result: EnsembleResult, seen_from: Path) -> dict[str, Any]:
+    """The table of runs, with links from a folder to the pages of those that have one."""
     keys = varied_keys(result.rows)
     heads = ["run", "status", *keys, "seed", "seed of field", *QUANTITIES.values(), "crack start x, y, z [mm]"]
-    rows = []
+    rows, links = [], []
     numbers = result.rows["number"]
-    for k in np.lexsort((numbers, result.rows["kind"] == "companion")).tolist():
+    for k in np.lexsort((numbers, result.rows["kind"] == "companion")).tolist()[:MOST_ROWS]:
         number = int(numbers[k])
+        links.append(_link(result, number, result.rows["kind"][k].item(), seen_from))
         row = {name: column[k] for name, column in result.rows.items()}
         start = [1e3 * float(row[f"crack_start_{axis}_m"]) for axis in "xyz"]
         rows.append(
@@ -150,4 +188,28 @@ def _table(result: EnsembleResult) -> dict[str, Any]:
                 ", ".join(f"{value:.1f}" for value in start) if np.isfinite(start).all() else "-",
             ]
         )
-    return {"heads": heads, "rows": rows}
+    return {"heads": heads, "rows": rows, "links": links, "count": len(numbers)}
+
+
+def _link(result: EnsembleResult, number: int, kind: Kind, seen_from: Path) -> str:
+    """Address of the page of a run, relative to a folder; empty where there is none."""
+    page = result.place(number, kind) / "report.html"
+    return quote(Path(os.path.relpath(page, seen_from)).as_posix()) if page.is_file() else ""
+
+
+def _origin(result: EnsembleResult) -> list[tuple[str, str]]:
+    """Names and values of program, machine and date, of the run that was computed first among those that are whole."""
+    for kind, number in zip(result.rows["kind"].tolist(), result.rows["number"].tolist(), strict=True):
+        try:
+            return origin_rows(read_summary(result.place(number, kind)), f"{result.plan.master}, of the ensemble")
+        except InputError:
+            continue
+    return [("Fissura", versions()["fissura"])]
+
+
+def _source(result: EnsembleResult) -> str | None:
+    """The case as it was written, where the folder has it."""
+    try:
+        return (result.folder / "case.toml").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fissura.results import quantities as text
@@ -9,7 +10,7 @@ from fissura.results import quantities as text
 if TYPE_CHECKING:
     from fissura.results.result import Result
 
-__all__ = ["bibtex", "bound_told", "cited", "origin_rows", "status_told"]
+__all__ = ["bibtex", "bound_told", "cited", "origin_rows", "seed_told", "status_told"]
 
 NOT_RECORDED = "not recorded"
 
@@ -37,21 +38,33 @@ def status_told(result: Result) -> str | None:
     return f"{told} {message}" if message else told
 
 
-def origin_rows(result: Result) -> list[tuple[str, str]]:
-    """Names and values of seed, program, machine and date."""
-    summary, case = result.summary, result.case
+def origin_rows(summary: Mapping[str, Any], seed: str) -> list[tuple[str, str]]:
+    """Names and values of seed, program, machine and date.
+
+    Parameters
+    ----------
+    summary : mapping
+        Content of a ``summary.json``; those of earlier versions lack some of them.
+    seed : str
+        What to say of the seed.
+    """
     versions = dict(summary.get("versions") or {})
     fissura = versions.pop("fissura", "unknown")
-    field = summary.get("field") or {}
     return [
-        ("seed", str(summary.get("seed", case.seed)) + (f", of the field {field['seed']}" if "seed" in field else "")),
+        ("seed", seed),
         ("Fissura", fissura),
         ("commit", _commit(summary)),
         ("libraries", ", ".join(f"{name} {number}" for name, number in versions.items()) or NOT_RECORDED),
         ("machine", _machine(summary.get("machine"))),
         ("date", str(summary.get("date") or NOT_RECORDED).replace("T", " ").replace("Z", " UTC")),
-        *([("folder", result.folder.name)] if result.folder is not None else []),
     ]
+
+
+def seed_told(result: Result) -> str:
+    """Seed of a run, and of its random field."""
+    field = result.summary.get("field") or {}
+    seed = str(result.summary.get("seed", result.case.seed))
+    return f"{seed}, of the field {field['seed']}" if "seed" in field else seed
 
 
 def bound_told(result: Result) -> list[str]:
@@ -104,7 +117,7 @@ def bibtex(result: Result) -> str:
     return "\n".join(lines)
 
 
-def _commit(summary: dict[str, Any]) -> str:
+def _commit(summary: Mapping[str, Any]) -> str:
     commit = summary.get("commit")
     if not commit:
         return NOT_RECORDED

@@ -10,7 +10,7 @@ from fissura.errors import InputError
 from fissura.reports.bodies import shown_steps, states_of
 from fissura.reports.columns import columns_of, measured_of
 from fissura.reports.libraries import require_libraries
-from fissura.reports.origin import bibtex, bound_told, cited, origin_rows, status_told
+from fissura.reports.origin import bibtex, bound_told, cited, origin_rows, seed_told, status_told
 from fissura.reports.page import rendered, write_page
 from fissura.reports.view import legend_of, scene_of
 from fissura.results import quantities as text
@@ -62,7 +62,7 @@ def run_page(result: Result) -> str:
         "view_caption": told,
         "signs": [] if domain is None else legend_of(result.case, domain),
         "numbers": result.table(),
-        "origin": origin_rows(result),
+        "origin": [*origin_rows(result.summary, seed_told(result)), *_folder_name(result)],
         "bound": bound_told(result),
         "source": result.case.source or _source(result),
         "resolved": json.dumps(result.case.model_dump(mode="json", exclude={"source"}), indent=1, ensure_ascii=False),
@@ -105,6 +105,10 @@ def _domain(result: Result) -> tuple[Domain | None, list[str]]:
         return domain_from_case(result.case), []
     except InputError as error:
         return None, [f"The specimen cannot be drawn: {error}"]
+
+
+def _folder_name(result: Result) -> list[tuple[str, str]]:
+    return [] if result.folder is None else [("folder", result.folder.resolve().name)]
 
 
 def _subtitle(result: Result) -> str:

@@ -425,8 +425,8 @@ class Result(Numbers):
 
         Examples
         --------
-        >>> result.report("beam.html")  # doctest: +SKIP
-        PosixPath('beam.html')
+        >>> result.report("beam.html").name
+        'beam.html'
         """
         from fissura.pages import report
 

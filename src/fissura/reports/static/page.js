@@ -48,7 +48,10 @@ fissura.ensemble = async function (data) {
   if (node && data.lines) {
     try {
       const curve = new fissura.Curve(node, await fissura.library("Plotly"));
-      await curve.draw(data.lines.traces, fissura.escaped(data.lines.x), fissura.escaped(data.lines.y), { showlegend: true });
+      const show = ({ traces, x, y }) =>
+        curve.draw(traces, fissura.escaped(x), fissura.escaped(y), { showlegend: true });
+      document.getElementById("curve-view")?.addEventListener("input", (event) => show(data.lines.views[event.target.value]));
+      await show(data.lines.views[0]);
     } catch (error) {
       fissura.problem(node, `The curves cannot be shown here: ${error.message}`);
     }
