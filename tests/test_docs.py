@@ -21,9 +21,11 @@ def page(name: str) -> str:
 def test_every_page_is_in_the_navigation() -> None:
     named = re.findall(r"^ +- (?:.*: )?(\S+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
     assert len(named) == len(set(named))
-    pages = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
-    assert set(named) == pages | {"changelog.md"}  # the changelog of the repository; docs/site/hooks.py brings it in
-    linked = set(re.findall(r"^\| \[(\S+\.md)\]", page("index.md"), re.MULTILINE))
+    files = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*")}
+    pages = {name for name in files if name.endswith((".md", ".ipynb"))}
+    # The site makes pages of the changelog and of notebooks: docs/site/hooks.py.
+    assert set(named) == {name.replace(".ipynb", ".md") for name in pages} | {"changelog.md"}
+    linked = set(re.findall(r"^\| \[(\S+\.(?:md|ipynb))\]", page("index.md"), re.MULTILINE))
     assert linked == pages - {"index.md"}
 
 

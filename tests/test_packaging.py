@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 #: Packages that are not imported by the name under which they are installed.
-IMPORTED_AS = {"pillow": "PIL", "py-mkl-pardiso": "pymklpardiso"}
+IMPORTED_AS = {"ipython": "IPython", "pillow": "PIL", "py-mkl-pardiso": "pymklpardiso"}
 
 #: Imported only where the user has them: a message says so where gmsh is missing; in a notebook IPython is there.
 FOUND_OR_NOT = {"gmsh", "IPython"}

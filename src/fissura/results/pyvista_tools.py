@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -159,7 +160,9 @@ def shown(view: Any, title: str, output: Path | None = None) -> Any:
     if not view.notebook and not can_open_windows():
         view.close()
         raise InputError("show", "there is no screen to open a window on", 'output="FILE.png"')
-    return view.show(title=title)
+    with warnings.catch_warnings():  # docs/python.md says what lets views turn in notebooks
+        warnings.filterwarnings("ignore", "Using static image")
+        return view.show(title=title)
 
 
 def check_picture(output: Path, key: str) -> None:
