@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 from typing import Any
 
 import pytest
@@ -124,3 +126,30 @@ def test_deep_copies_share_nothing(small_case: Any) -> None:
     case = small_case()
     assert case.model_copy(update={"seed": 3}, deep=True).material is not case.material
     assert not math.isnan(case.model_copy(deep=True).adaptivity.r_f)
+
+
+def test_every_way_to_copy_is_closed(small_case: Any) -> None:
+    """Defaults follow by pydantic's older name, too; copies of Python are the same case, with the same defaults."""
+    case = small_case()
+    stronger = case.material.copy(update={"f_t": 3e6})
+    assert stronger == case.material.model_copy(update={"f_t": 3e6})
+    assert stronger.f_s == 9e6
+    with pytest.raises(InputError, match="copy: "):
+        case.copy(exclude={"seed"})
+    for again in (copy.copy(case), copy.deepcopy(case), pickle.loads(pickle.dumps(case)), case.copy()):
+        assert again == case
+        assert again.with_({"material.f_t": 3e6}).material.f_s == 9e6
+
+
+def test_parts_put_back_into_a_case_have_their_defaults(small_case: Any) -> None:
+    """The same case by keys, by tables, and by parts that were changed on their own."""
+    case = small_case()
+    expected = small_case(discretization={"l_f": 0.006}, material__f_t=3e6)
+    by_keys = case.with_({"discretization": {"l_f": 0.006}, "material.f_t": 3e6})
+    parts = {
+        "discretization": type(case.discretization)(l_f=0.006),
+        "material": case.material.model_copy(update={"f_t": 3e6}),
+    }
+    assert by_keys == case.model_copy(update=parts) == expected
+    assert by_keys.adaptivity.r_c == expected.adaptivity.r_c != case.adaptivity.r_c
+    assert case.model_copy(update=parts).with_({"material.f_t": 1e6}).material.f_s == 3e6

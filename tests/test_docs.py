@@ -5,6 +5,9 @@ from __future__ import annotations
 import importlib
 import json
 import re
+import subprocess
+import sys
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -21,8 +24,8 @@ def page(name: str) -> str:
 def test_every_page_is_in_the_navigation() -> None:
     named = re.findall(r"^ +- (?:.*: )?(\S+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
     assert len(named) == len(set(named))
-    files = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*")}
-    pages = {name for name in files if name.endswith((".md", ".ipynb"))}
+    there = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*")}
+    pages = {name for name in there if name.endswith((".md", ".ipynb"))}
     # The site makes pages of the changelog and of notebooks: docs/site/hooks.py.
     assert set(named) == {name.replace(".ipynb", ".md") for name in pages} | {"changelog.md"}
     linked = set(re.findall(r"^\| \[(\S+\.(?:md|ipynb))\]", page("index.md"), re.MULTILINE))
@@ -46,3 +49,15 @@ def test_every_example_has_an_entry_and_every_entry_an_example(monkeypatch: pyte
     assert {path.stem for path in examples.PICTURES.glob("*.png")} == names
     assert [name for name in sorted(names) if examples.about(name) not in text] == []
     assert examples.page(json.loads(examples.FOUND.read_text(encoding="utf-8"))).strip() in text
+
+
+def test_what_is_completed_after_the_package_is_what_is_public() -> None:
+    """Before anything is imported, and after much was; editors find types, too."""
+    code = "import fissura; print(*(name for name in dir(fissura) if not name.startswith('_')))"
+    bare = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert (
+        bare
+        == [name for name in dir(fissura) if not name.startswith("_")]
+        == sorted(set(fissura.__all__) - {"__version__"})
+    )
+    assert files("fissura").joinpath("py.typed").is_file()

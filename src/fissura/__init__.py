@@ -6,7 +6,6 @@ Public names are imported at first use, so that ``import fissura`` stays light.
 from __future__ import annotations
 
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -78,9 +77,8 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """Public names, also those that are not imported yet, and rooms that are: what editors and notebooks complete."""
-    rooms = (name for name, value in globals().items() if isinstance(value, ModuleType) and __name__ in value.__name__)
-    return sorted({*__all__, *rooms, *(name for name in globals() if name.startswith("__"))})
+    """Public names, also those that are not imported yet: what notebooks complete."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})
 
 
 def _version() -> str:
