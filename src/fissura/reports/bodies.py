@@ -29,6 +29,9 @@ MOST_BYTES = 9_000_000
 MOST_STEPS = 60
 """Steps in a page, at most."""
 
+ROOM = 1.3
+"""States to read over those that would fit if they were as large as the last one."""
+
 MM = 1e3
 """Views are in mm."""
 
@@ -59,7 +62,11 @@ def states_of(result: Result, steps: Iterable[int], most: int = MOST_BYTES) -> l
         flat), ``sizes`` (corners of each), and values by name. ``left_out`` is how many contacts with damage are not
         there, those that opened least.
     """
-    states = [_state(result, number) for number in steps]
+    *before, last = steps
+    states = [_state(result, last)]
+    # The last state is the largest, or about that: what cannot fit is not even read.
+    fit = int(ROOM * most / packed_size(states)) + 1
+    states = [_state(result, number) for number in chosen(result, [*before, last], fit) if number != last] + states
     while (size := packed_size(states)) > most and len(states) > 1:
         kept = set(chosen(result, [state["number"] for state in states], max(int(0.9 * len(states) * most / size), 1)))
         states = [state for state in states if state["number"] in kept]
