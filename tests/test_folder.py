@@ -11,7 +11,7 @@ import pytest
 from fissura.errors import InputError
 from fissura.folder import MARK, Folder, FolderKind, claimed, kind_of, prepare_folder
 
-KINDS: tuple[FolderKind, ...] = ("run", "ensemble", "study", "elastic")
+KINDS: tuple[FolderKind, ...] = ("run", "ensemble", "study", "elastic", "calibration")
 
 
 def everything(folder: Path) -> set[str]:

@@ -8,7 +8,8 @@ before a block changes that:
 * ``<!-- test: slow -->``: run with the slow tests.
 * ``<!-- test: part of KEY -->``, ``<!-- test: each line -->``, ``<!-- test: other specimen -->``: TOML that belongs
   into a table, whose lines are alternatives, or whose places are on a specimen that the block does not describe.
-* ``<!-- test: study -->``, ``<!-- test: package -->``: TOML of a study, or of another package.
+* ``<!-- test: study -->``, ``<!-- test: calibration -->``, ``<!-- test: package -->``: TOML of a study, of tests to be
+  calibrated to, or of another package.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ import yaml
 from typer.testing import CliRunner
 
 import fissura
+from fissura.calibration.request import request_of
 from fissura.case import case_from_dict
 from fissura.cli import app
 from fissura.specimen import conditions_from_case, domain_from_case
@@ -79,7 +81,7 @@ def test_every_block_has_a_language_that_is_tested() -> None:
 
 
 def test_notes_are_those_that_mean_something() -> None:
-    forms = r"not run: .{10,}|slow|part of \w+|each line|other specimen|study|package"
+    forms = r"not run: .{10,}|slow|part of \w+|each line|other specimen|study|calibration|package"
     assert [block.note for _, block in EVERY if block.note and not re.fullmatch(forms, block.note)] == []
     for path in PAGES:  # a comment that stands before no block would change nothing
         text = path.read_text(encoding="utf-8")
@@ -117,6 +119,8 @@ def check_case(given: dict[str, Any], *, places: bool) -> None:
 def test_toml_is_a_case_or_a_part_of_one(path: Path, block: Block) -> None:
     if block.note == "package":
         assert tomllib.loads(block.text)
+    elif block.note == "calibration":
+        request_of(tomllib.loads(block.text))
     elif block.note == "study":
         plan_from_dict(tomllib.loads(block.text), ROOT / "benchmarks")
     elif block.note == "each line":

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fissura.api import run
+    from fissura.calibration.result import Calibration
+    from fissura.calibration.runner import calibrate
     from fissura.case import Case, case_from_dict, load_case
     from fissura.checking import CheckReport, check
     from fissura.ensemble.result import EnsembleResult
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "Calibration",
     "Case",
     "CheckReport",
     "Comparison",
@@ -34,6 +37,7 @@ __all__ = [
     "RunStopped",
     "Simulation",
     "__version__",
+    "calibrate",
     "case_from_dict",
     "check",
     "compare",
@@ -45,6 +49,7 @@ __all__ = [
 ]
 
 _HOME = {
+    "Calibration": "fissura.calibration.result",
     "Case": "fissura.case",
     "CheckReport": "fissura.checking",
     "Comparison": "fissura.results",
@@ -56,6 +61,7 @@ _HOME = {
     "case_from_dict": "fissura.case",
     "check": "fissura.checking",
     "compare": "fissura.results",
+    "calibrate": "fissura.calibration.runner",
     "load_case": "fissura.case",
     "report": "fissura.pages",
     "run": "fissura.api",

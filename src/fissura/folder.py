@@ -15,7 +15,7 @@ from fissura.files import part_of
 
 __all__ = ["MARK", "Folder", "FolderKind", "claimed", "kind_of", "prepare_folder"]
 
-FolderKind = Literal["run", "ensemble", "study", "elastic"]
+FolderKind = Literal["run", "ensemble", "study", "elastic", "calibration"]
 """What a folder of results is of."""
 
 MARK = ".fissura"
@@ -27,6 +27,7 @@ _NAMES: dict[str, str] = {
     "ensemble": "an ensemble",
     "study": "a study",
     "elastic": "fissura elastic",
+    "calibration": "a calibration",
 }
 
 
@@ -135,7 +136,7 @@ def prepare_folder(
     ----------
     folder : path
         Made if it does not exist.
-    kind : {"run", "ensemble", "study", "elastic"}, optional
+    kind : {"run", "ensemble", "study", "elastic", "calibration"}, optional
         What the results are of.
     overwrite : bool, optional
         Whether it may hold results of this kind already. They are left alone here.

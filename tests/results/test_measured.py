@@ -92,3 +92,58 @@ def test_other_encodings_are_told(tmp_path):
     path.write_bytes(b"# \xe4\n0.001,90,110\n")
     with pytest.raises(InputError, match=r"band\.csv is not UTF-8 text \(byte 2\)"):
         read_measured(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "options"),
+    [
+        ("CMOD [mm];load [kN]\n0,001;0,09\n0,003;0,2\n", {}),
+        ("load (N),opening (um)\n90,1\n200,3\n", {}),
+        ("# cmod_um\tload_N\n1\t90\n3\t200\n", {}),
+        ("CMOD;load\nmm;kN\n0,001;0,09\n0,003;0,2\n", {}),
+        ("CMOD / mm, load in kN\n0.001,0.09\n0.003,0.2\n", {}),
+        ("0.001,0.09\n0.003,0.2\n", {"units": ["mm", "kN"]}),
+        ("time [s],CMOD [mm],load [N]\n0,0.001,90\n1,0.003,200\n", {"columns": ["CMOD", "load [N]"]}),
+        ("step,gauge_m,load_N,control\n1,1e-6,90,gauge\n2,3e-6,200,gauge\n", {}),
+    ],
+)
+def test_curves_with_units(tmp_path, content, options):
+    path = tmp_path / "curve.csv"
+    path.write_text("\ufeff" + content, encoding="utf-8")
+    band = read_measured(path, plain=False, **options)
+    np.testing.assert_allclose(band.gauge, [1e-6, 3e-6], rtol=1e-14)
+    np.testing.assert_allclose(band.lower, [90, 200], rtol=1e-14)
+    assert band.is_curve
+    assert band.back == 0.0
+
+
+def test_bands_with_units_and_how_far_the_gauge_turns_back(tmp_path):
+    path = tmp_path / "band.csv"
+    path.write_text("largest [kN];CMOD [mm];smallest [kN]\n0,3;0,003;0,2\n0,11;0,001;0,09\n")
+    band = read_measured(path)
+    np.testing.assert_allclose(band.lower, [90, 200])
+    np.testing.assert_allclose(band.upper, [110, 300])
+    assert band.back == pytest.approx(2e-6)
+
+
+@pytest.mark.parametrize(
+    ("content", "options", "message"),
+    [
+        ("1,2\n3,4\n", {}, "has no units"),
+        ("CMOD,load [N]\n1,2\n", {}, '"CMOD" has no unit'),
+        ("CMOD [mm],load [MPa]\n1,2\n", {}, r'"load \[MPa\]" has no unit'),
+        ("CMOD [mm],gauge [mm]\n1,2\n", {}, "2 columns of lengths"),
+        ("1,2\n", {"units": ["mm", "s"]}, '"s" is no unit'),
+        ("1,2\n", {"units": ["mm"]}, "1 units are told for 2 columns"),
+        ("a [mm],b [N],c [N],d [N]\n1,2,3,4\n", {}, "has 4 columns"),
+        ("a [mm],b [N]\n1,2\n", {"columns": ["a", "x"]}, 'no column "x"'),
+        ("a [mm],b [N],c [N]\n1,2,3\n2,3,1\n", {}, "is above"),
+    ],
+)
+def test_what_is_no_curve(tmp_path, content, options, message):
+    path = tmp_path / "curve.csv"
+    path.write_text(content)
+    with pytest.raises(InputError, match=message) as caught:
+        read_measured(path, key="here", plain=False, **options)
+    assert caught.value.key == "here"
+    assert caught.value.allowed

@@ -13,7 +13,7 @@ from fissura.case.part import Part
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["changed", "value_at"]
+__all__ = ["changed", "parts_of_key", "value_at"]
 
 P = TypeVar("P", bound=Part)
 
@@ -55,7 +55,7 @@ def changed(part: P, changes: Mapping[str, Any]) -> P:
     return _copied(part, tree, "") if tree else part
 
 
-def _parsed(key: Any) -> list[str | int]:
+def parts_of_key(key: Any) -> list[str | int]:
     """Names and indices in a dotted key."""
     out: list[str | int] = []
     for word in key.split(".") if isinstance(key, str) else [""]:
@@ -68,7 +68,7 @@ def _parsed(key: Any) -> list[str | int]:
 
 def _plant(tree: Tree, key: str, value: Any) -> None:
     """Enter a change into a tree of changes."""
-    *outer, last = _parsed(key)
+    *outer, last = parts_of_key(key)
     if last == "unit":
         raise InputError(key, "changes what numbers mean, not a value", 'a text with a unit, such as "5 mm", for each')
     for part in outer:
@@ -111,7 +111,7 @@ def value_at(part: Part, key: str) -> Any:
     'pin'
     """
     now: Any = part
-    for word in _parsed(key):
+    for word in parts_of_key(key):
         if isinstance(now, tuple) and isinstance(word, str):
             now = now[0] if len(now) == 1 else None  # keys without an index mean the only table of a list
         if isinstance(now, tuple):

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from fissura.cli.calibrate import calibrate
 from fissura.cli.console import NOT_WRITTEN, say
 from fissura.cli.elastic import elastic
 from fissura.cli.ensemble import ensemble
@@ -28,7 +29,7 @@ app = typer.Typer(
 )
 
 # In the order in which the help lists them.
-for command in (run, check, new, schema, show, report, compare, moments, animate, elastic, ensemble, study):
+for command in (run, check, new, schema, show, report, compare, moments, animate, elastic, ensemble, calibrate, study):
     app.command()(command)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from fissura.errors import InputError
 
-__all__ = ["seed_list", "varied"]
+__all__ = ["seed_list", "setting", "varied"]
 
 _VARY = '"KEY=VALUE, VALUE", such as "material.f_t=2.5 MPa, 3 MPa"'
 
@@ -46,6 +46,20 @@ def _value(text: str) -> Any:
         return tomllib.loads(f"v = {text}")["v"]
     except tomllib.TOMLDecodeError:
         return text
+
+
+def setting(option: str) -> tuple[str, Any]:
+    """Key and value from a text such as ``"material.macro.E=37 GPa"``.
+
+    Raises
+    ------
+    InputError
+        The text has no key or no value.
+    """
+    key, sign, text = (part.strip() for part in option.partition("="))
+    if not key or not sign or not text:
+        raise InputError("--set", f"{option!r} is not a key with a value", '"KEY=VALUE", such as "material.mu=0.3"')
+    return key, _value(text)
 
 
 def seed_list(text: str) -> list[int]:

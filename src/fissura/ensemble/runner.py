@@ -25,7 +25,7 @@ from fissura.threads import side_by_side
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["run_ensemble"]
+__all__ = ["run_ensemble", "run_plan"]
 
 _log = logging.getLogger(__name__)
 
@@ -140,6 +140,41 @@ def run_ensemble(
         companions=companions,
         keep=keep,
     )
+    return run_plan(
+        plan,
+        output,
+        resume=resume,
+        overwrite=overwrite,
+        workers=workers,
+        threads_per_worker=threads_per_worker,
+        scheduler=scheduler,
+        on_start=on_start,
+        on_outcome=on_outcome,
+    )
+
+
+def run_plan(
+    plan: Plan,
+    output: str | Path,
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+    workers: int | None = None,
+    threads_per_worker: int = 1,
+    scheduler: str | Cluster | None = None,
+    on_start: Callable[[Plan, int, int], None] | None = None,
+    on_outcome: Callable[[dict[str, Any]], None] | None = None,
+    report: bool = True,
+) -> EnsembleResult:
+    """Run an ensemble that is planned; arguments and errors are those of `run_ensemble`.
+
+    Parameters
+    ----------
+    plan : Plan
+        The ensemble.
+    report : bool, optional
+        Whether statistics, pictures and the page are written, beside the table of runs.
+    """
     workers = None if workers is None else side_by_side("--workers", workers)
     threads_per_worker = side_by_side("--threads-per-worker", threads_per_worker)
     if scheduler is not None and workers is not None:
@@ -154,12 +189,12 @@ def run_ensemble(
         )
     if scheduler is None:
         for point in plan.points:
-            require_memory(point.case, full=full)
+            require_memory(point.case, full=plan.full)
     else:
         check_scheduler(scheduler)
     store = _folder(output, plan, resume=resume, overwrite=overwrite)
     _compute(plan, store, workers, threads_per_worker, scheduler, on_start, on_outcome)
-    return evaluate(plan, store)
+    return evaluate(plan, store, report=report)
 
 
 def _folder(output: str | Path, plan: Plan, *, resume: bool, overwrite: bool) -> Store:
@@ -245,7 +280,7 @@ def collect(
         raise EnsembleStopped(f"{len(left)} of {len(missing)} runs did not arrive")
 
 
-def evaluate(plan: Plan, store: Store) -> EnsembleResult:
+def evaluate(plan: Plan, store: Store, *, report: bool = True) -> EnsembleResult:
     """Write tables, statistics, pictures and the report of what is in the folder.
 
     An earlier ensemble may have had more runs; those beyond the plan's stay on disk, and out of the tables.
@@ -256,6 +291,8 @@ def evaluate(plan: Plan, store: Store) -> EnsembleResult:
     rows = table(summary for key, summary in store.kept().summaries.items() if key in wanted)
     write_table(rows, store.folder)
     result = EnsembleResult.of(plan, rows, store.folder)
+    if not report:
+        return result
     result.write()
     try:
         write_report(result)

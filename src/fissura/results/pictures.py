@@ -218,14 +218,13 @@ def legend(axes: Axes, **more: Any) -> None:
 
 def fill_measured(axes: Axes, band: MeasuredBand, x_scale: float, y_scale: float) -> None:
     """Measured band of loads, behind everything computed; scales are factors from metres and newtons."""
-    is_curve = bool((band.lower == band.upper).all())  # a mean curve: without an edge nothing of it would be seen
     axes.fill_between(
         band.gauge * x_scale,
         band.lower * y_scale,
         band.upper * y_scale,
         color=GREY,
         alpha=0.75,
-        linewidth=1.5 if is_curve else 0,
+        linewidth=1.5 if band.is_curve else 0,  # a curve: without an edge nothing of it would be seen
         label="measured",
         zorder=1,
     )

@@ -1,0 +1,52 @@
+"""Pictures of a calibration: computed curves over what was measured."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fissura.results.measured import MeasuredBand
+from fissura.results.path import NAMES
+from fissura.results.pictures import BLUE, LIGHT, ORANGE, fill_measured, gauge_unit, headline, legend, load_unit, tidy
+
+if TYPE_CHECKING:
+    from fissura.calibration.result import Calibration, Fit
+
+__all__ = ["draw_fit", "plot_calibration"]
+
+WIDE = 7.2
+
+
+def plot_calibration(result: Calibration) -> Figure:
+    """Draw all tests of a calibration, a panel for each."""
+    columns = min(len(result.fits), 2)
+    rows = -(-len(result.fits) // columns)
+    figure = Figure(figsize=(WIDE if columns == 1 else 10.0, 4.6 * rows), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axes, fit in zip(panels, result.fits, strict=False):
+        draw_fit(axes, fit)
+        headline(axes, fit.name, f"residual {100 * fit.residual:.1f} % of the peak, {100 * fit.inside:.0f} % inside")
+    for axes in panels[len(result.fits) :]:
+        axes.set_visible(False)
+    return figure
+
+
+def draw_fit(axes: Axes, fit: Fit) -> None:
+    """Draw the curves of a test: measured, computed with each seed, their mean, and the mean at the estimate."""
+    x, x_unit = gauge_unit(float(fit.x.max()))
+    y, y_unit = load_unit(float(np.abs(fit.upper).max()))
+    fill_measured(axes, MeasuredBand(fit.x, fit.lower, fit.upper), x, y)
+    for k, load in enumerate(fit.seeds):
+        label = f"computed, {len(fit.seeds)} seeds" if k == 0 else None
+        axes.plot(fit.x * x, load * y, color=LIGHT, linewidth=0.8, alpha=0.8, label=label)
+    axes.plot(fit.x * x, fit.computed * y, color=BLUE, linewidth=1.8, label="their mean")
+    axes.plot(fit.x * x, fit.predicted * y, "--", color=ORANGE, linewidth=1.4, label="mean at the estimate")
+    axes.set_xlabel(f"{NAMES['gauge'] if fit.quantity == 'gauge' else NAMES['displacement']} [{x_unit}]")
+    axes.set_ylabel(f"load [{y_unit}]")
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=min(0.0, 1.05 * y * float(fit.lower.min())))
+    tidy(axes)
+    legend(axes, fontsize=8.5)
