@@ -50,7 +50,7 @@ def test_the_same_specimen_says_nothing_whatever_it_is_run_with():
 
 
 def test_every_part_of_a_case_is_of_the_specimen_or_of_how_it_is_run():
-    run = {"name", "adaptivity", "control", "stage", "gauge", "gauges", "output", "solver"}
+    run = {"name", "adaptivity", "control", "stage", "gauge", "gauges", "output", "solver", "ensemble"}
     assert set(Case.model_fields) == {*SPECIMEN, *run}
 
 
