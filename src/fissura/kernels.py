@@ -26,18 +26,23 @@ import numpy as np
 from numba.core import compiler as _compiler
 from numba.core import config as _config
 from numba.core import serialize as _serialize
+from numba.core import types as _types
 from numba.misc.appdirs import AppDirs as _AppDirs
 
-__all__ = ["njit", "prepare_cache"]
+__all__ = ["INNER", "njit", "prepare_cache"]
 
 AppDirs: Any = _AppDirs  # these have no types
 compiler: Any = _compiler
 config: Any = _config
 serialize: Any = _serialize
+types: Any = _types
 
 _log = logging.getLogger(__name__)
 
 PACKAGE = Path(__file__).parent
+
+#: Options of functions that only compiled code calls: without a way in for others they are compiled in less time.
+INNER: dict[str, Any] = {"no_cpython_wrapper": True}
 
 _SAID_AT = 2
 """Function that is not in the cache, counted from the start, at which compiling is announced: one alone is quick."""
@@ -59,12 +64,18 @@ def njit(**options: Any) -> Any:
     """
 
     def decorated(function: Any) -> Any:
-        compiled: Any = numba.njit(**options)(function)
+        compiled: Any = numba.njit(**options, no_cfunc_wrapper=True)(function)  # nothing calls kernels from C
         if hasattr(compiled, "py_func"):  # else compiling is switched off
             compiled._cache = _Cache(function, options)
+            compiled.get_call_template = functools.partial(_call_template, compiled.get_call_template)
         return compiled
 
     return decorated
+
+
+def _call_template(template: Any, args: Any, kws: Any) -> Any:
+    """What numba calls a function by: one for all numbers of a type, and not one more for each that is written out."""
+    return template(tuple(map(types.unliteral, args)), {name: types.unliteral(kind) for name, kind in kws.items()})
 
 
 def prepare_cache(*, say: bool = True) -> Path | None:

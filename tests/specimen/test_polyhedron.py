@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fissura.specimen.polyhedron import TOO_SHORT, UNCUT, box, cut, farthest, following
+from fissura.specimen import polyhedron
+from fissura.specimen.polyhedron import TOO_SHORT, UNCUT, following
 
 ROOM = 256
+
+# Only compiled functions can call these.
+box = numba.njit(lambda *given: polyhedron.box(*given))
+cut = numba.njit(lambda *given: polyhedron.cut(*given))
+farthest = numba.njit(lambda *given: polyhedron.farthest(*given))
 
 
 class Solid:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 from fissura.tessellation import Contacts, Tessellation
 
 __all__ = [
@@ -54,7 +54,7 @@ class Kinematics:
         return len(self.volume)
 
 
-@njit()
+@njit(**INNER)
 def _cross(a, b, out):  # type: ignore[no-untyped-def]
     out[0] = a[1] * b[2] - a[2] * b[1]
     out[1] = a[2] * b[0] - a[0] * b[2]
@@ -71,12 +71,14 @@ def _frames(normal, out):  # type: ignore[no-untyped-def]
         for a in range(1, 3):
             if abs(n[a]) < abs(n[least]):
                 least = a
-        axis[:] = 0.0
-        axis[least] = 1.0
         frame = out[c]
-        frame[0] = n
+        for a in range(3):
+            axis[a] = 1.0 if a == least else 0.0
+            frame[0, a] = n[a]
         _cross(n, axis, frame[1])
-        frame[1] /= np.sqrt(frame[1, 0] ** 2 + frame[1, 1] ** 2 + frame[1, 2] ** 2)
+        length = np.sqrt(frame[1, 0] ** 2 + frame[1, 1] ** 2 + frame[1, 2] ** 2)
+        for a in range(3):
+            frame[1, a] /= length
         _cross(n, frame[1], frame[2])
 
 

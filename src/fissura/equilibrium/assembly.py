@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 
 from fissura.contact import Kinematics
 from fissura.equilibrium.low_rank import LowRank
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 
 __all__ = ["Pattern", "add_spin", "assemble", "assemble_secant", "pattern"]
 
@@ -136,13 +136,25 @@ def _expanded(first, neighbours, indptr, indices):  # type: ignore[no-untyped-de
     indptr[-1] = entry
 
 
+@njit(**INNER)
+def _place(neighbours, begin, end, wanted):  # type: ignore[no-untyped-def]
+    """Place in an ascending row of the first neighbour that is not smaller than a number."""
+    low, high = begin, end
+    while low < high:
+        middle = (low + high) >> 1
+        if neighbours[middle] < wanted:
+            low = middle + 1
+        else:
+            high = middle
+    return low - begin
+
+
 @njit()
 def _offsets(first, neighbours, row, column):  # type: ignore[no-untyped-def]
     """Offset of the block of each row and column in the rows of its body."""
     out = np.empty(len(row), dtype=np.int32)
     for k in range(len(row)):
-        begin, end = first[row[k]], first[row[k] + 1]
-        out[k] = 6 * np.searchsorted(neighbours[begin:end], column[k])
+        out[k] = 6 * _place(neighbours, first[row[k]], first[row[k] + 1], column[k])
     return out
 
 
@@ -150,9 +162,9 @@ def _offsets(first, neighbours, row, column):  # type: ignore[no-untyped-def]
 def _opposites(bodies, owner_first, adjacent, first, neighbours):  # type: ignore[no-untyped-def]
     out = np.empty(len(adjacent), dtype=np.int32)
     for b in range(len(first) - 1):
-        row = neighbours[first[b] : first[b + 1]]
         for k in range(owner_first[b], owner_first[b + 1]):
-            out[k] = 6 * np.searchsorted(row, bodies[adjacent[k] // 2, 1 - adjacent[k] % 2])
+            other = bodies[adjacent[k] // 2, 1 - adjacent[k] % 2]
+            out[k] = 6 * _place(neighbours, first[b], first[b + 1], other)
     return out
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from fissura.equilibrium.blocks import AHEAD, FAST, LowerBlocks
 from fissura.equilibrium.simd import prefetch, times, transposed_times
 from fissura.equilibrium.team import ALONE, Team
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 
 __all__ = ["IncompleteCholesky"]
 
@@ -23,7 +23,7 @@ _SMALLEST_PIVOT = 1e-14
 _SHARES = (0.0, 0.01, 0.05, 0.2, 1.0)
 
 
-@njit(fastmath=FAST)
+@njit(**INNER, fastmath=FAST)
 def _subtract_product(target, a, b):  # type: ignore[no-untyped-def]
     """``target -= a b^T`` for 6x6 blocks."""
     for p in range(6):
@@ -34,7 +34,7 @@ def _subtract_product(target, a, b):  # type: ignore[no-untyped-def]
             target[p, q] -= s
 
 
-@njit()
+@njit(**INNER)
 def _copy(source, target):  # type: ignore[no-untyped-def]
     """Entry by entry: array assignment would have to compile what it says when shapes differ."""
     for p in range(6):
@@ -42,7 +42,7 @@ def _copy(source, target):  # type: ignore[no-untyped-def]
             target[p, q] = source[p, q]
 
 
-@njit()
+@njit(**INNER)
 def _cholesky(block, original, smallest, low, out):  # type: ignore[no-untyped-def]
     """Inverse of the lower Cholesky factor; False when a pivot is too small."""
     for p in range(6):

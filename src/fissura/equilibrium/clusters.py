@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from fissura.equilibrium.blocks import LowerBlocks
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 
 __all__ = ["bisected", "body_weights", "connected", "intact", "link_stiffness"]
 
@@ -23,7 +23,7 @@ AnyIntArray = NDArray[np.integer[Any]]
 _FINE = 0.25
 
 
-@njit()
+@njit(**INNER)
 def _cut(key, weight, points, begin, end, share):  # type: ignore[no-untyped-def]
     """Reorder points so that those before the returned place have the smaller keys, and `share` of the weight or less.
 
@@ -61,14 +61,13 @@ def _cut(key, weight, points, begin, end, share):  # type: ignore[no-untyped-def
 
 
 @njit()
-def _bisected(x, weight, most, label):  # type: ignore[no-untyped-def]
-    n = len(x)
-    points = np.arange(n)
-    columns = np.ascontiguousarray(x.T)
-    todo = [(0, n)]
-    number = 0
-    while len(todo) > 0:
-        begin, end = todo.pop()
+def _bisected(columns, weight, most, points, todo, label):  # type: ignore[no-untyped-def]
+    """Number groups of points, which are reordered; `todo` (n, 2) is room for those that are not yet small enough."""
+    todo[0, 0], todo[0, 1] = 0, len(points)
+    number, left = 0, 1
+    while left > 0:
+        left -= 1
+        begin, end = todo[left, 0], todo[left, 1]
         total = 0.0
         for k in range(begin, end):
             total += weight[points[k]]
@@ -87,8 +86,9 @@ def _bisected(x, weight, most, label):  # type: ignore[no-untyped-def]
             if high - low > longest:
                 along, longest = a, high - low
         cut = _cut(columns[along], weight, points, begin, end, total * (parts // 2) / parts)
-        todo.append((cut, end))
-        todo.append((begin, cut))
+        todo[left, 0], todo[left, 1] = cut, end
+        todo[left + 1, 0], todo[left + 1, 1] = begin, cut
+        left += 2
     return number
 
 
@@ -112,7 +112,8 @@ def bisected(x: FloatArray, most: float, weight: FloatArray | None = None) -> In
     label = np.empty(len(x), dtype=np.int64)
     if len(x):
         weight = np.ones(len(x)) if weight is None else np.ascontiguousarray(weight, dtype=np.float64)
-        _bisected(np.ascontiguousarray(x), weight, float(most), label)
+        columns, room = np.ascontiguousarray(x.T), np.empty((len(x) + 1, 2), dtype=np.int64)
+        _bisected(columns, weight, float(most), np.arange(len(x)), room, label)
     return label
 
 

@@ -70,7 +70,8 @@ def _touched(indptr, indices, label):  # type: ignore[no-untyped-def]
         first[i + 1] = first[i] + count[i]
     cluster = np.empty(first[n], dtype=np.int32)
     for i in range(n):
-        cluster[first[i] : first[i + 1]] = room[begin[i] : begin[i] + count[i]]
+        for k in range(count[i]):
+            cluster[first[i] + k] = room[begin[i] + k]
     return first, cluster
 
 

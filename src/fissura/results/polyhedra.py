@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 from fissura.tessellation.structure import Polygons, Tessellation
 
 __all__ = ["Polyhedra", "polygon_normals", "polyhedra"]
@@ -120,24 +120,43 @@ def _merged(points: FloatArray, body: IntArray, volume: FloatArray) -> tuple[Int
     return index, first[:count]
 
 
+@njit(**INNER)
+def _sort(values, n, order):  # type: ignore[no-untyped-def]
+    """Order in which `n` values ascend (Shell 1959; there are some dozens)."""
+    for k in range(n):
+        order[k] = k
+    for gap in (701, 301, 132, 57, 23, 10, 4, 1):
+        for m in range(gap, n):
+            k, q = order[m], m
+            while q >= gap and values[order[q - gap]] > values[k]:
+                order[q] = order[q - gap]
+                q -= gap
+            order[q] = k
+
+
 @njit()
 def _merge(points, bounds, tolerance, index, first):  # type: ignore[no-untyped-def]
-    most = np.diff(bounds).max() if len(bounds) > 1 else 0
-    label = np.empty(most, dtype=np.int64)
+    most = 0
+    for body in range(len(tolerance)):
+        most = max(most, bounds[body + 1] - bounds[body])
+    label, values, order = np.empty(most), np.empty(most), np.empty(most, dtype=np.int64)
     count = 0
     for body in range(len(tolerance)):
         low, high = bounds[body], bounds[body + 1]
         n = high - low
-        label[:n] = 0
+        for k in range(n):
+            label[k] = 0.0
         for axis in range(3):
-            order = np.argsort(points[low:high, axis])
+            for k in range(n):
+                values[k] = points[low + k, axis]
+            _sort(values, n, order)
             group = 0
             for k in range(n):
                 if k > 0 and points[low + order[k], axis] - points[low + order[k - 1], axis] > tolerance[body]:
                     group += 1
                 # n groups at most along each axis, so that three of them make one number.
                 label[order[k]] += group * n ** (2 - axis)
-        order = np.argsort(label[:n])
+        _sort(label, n, order)
         for k in range(n):
             corner = low + order[k]
             if k == 0 or label[order[k]] != label[order[k - 1]]:

@@ -35,9 +35,11 @@ def _boxes(low, high, origin, side, shape):  # type: ignore[no-untyped-def]
                             cells[start[box]] = k
                             start[box] += 1
         if step == 0:
-            start[:] = np.cumsum(start)
+            for box in range(len(start) - 1):
+                start[box + 1] += start[box]
             cells = np.empty(start[-1], np.int64)
-    start[1:] = start[:-1].copy()
+    for box in range(len(start) - 1, 0, -1):
+        start[box] = start[box - 1]
     start[0] = 0
     return start, cells
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 
 __all__ = ["TOO_SHORT", "UNCUT", "box", "cut", "farthest", "following"]
 
@@ -41,7 +41,7 @@ def following(edge, twin):  # type: ignore[no-untyped-def]
     return back - 1 if back & 3 else back + 2
 
 
-@njit()
+@njit(**INNER)
 def box(low, high, p, r2, twin, face):  # type: ignore[no-untyped-def]
     """Begin with a box whose facet ``2 axis + side`` has that number; return its number of corners."""
     for v in range(8):
@@ -54,7 +54,7 @@ def box(low, high, p, r2, twin, face):  # type: ignore[no-untyped-def]
     return len(_TWIN) // 4
 
 
-@njit()
+@njit(**INNER)
 def farthest(r2, count):  # type: ignore[no-untyped-def]
     """Largest squared distance of a corner from the origin."""
     out = 0.0
@@ -64,7 +64,7 @@ def farthest(r2, count):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit()
+@njit(**INNER)
 def _reached(start, count, s, twin, tolerance, outside, mark, stack):  # type: ignore[no-untyped-def]
     """Mark the corners on one side of the plane that edges connect to `start`."""
     for v in range(count):
@@ -83,7 +83,7 @@ def _reached(start, count, s, twin, tolerance, outside, mark, stack):  # type: i
                 size += 1
 
 
-@njit()
+@njit(**INNER)
 def _made_single(count, s, twin, tolerance):  # type: ignore[no-untyped-def]
     """Join what is cut off, and what stays, to one piece each: the others lie in the plane but for round-off."""
     mark = np.empty(count, np.bool_)
@@ -104,7 +104,7 @@ def _made_single(count, s, twin, tolerance):  # type: ignore[no-untyped-def]
             s[v] = 2.0 * tolerance
 
 
-@njit()
+@njit(**INNER)
 def _loop(first, s, twin, tolerance, edges):  # type: ignore[no-untyped-def]
     """List the cut edges around the loop that begins with one of them; return their number."""
     n = 0
@@ -119,7 +119,7 @@ def _loop(first, s, twin, tolerance, edges):  # type: ignore[no-untyped-def]
             return n
 
 
-@njit()
+@njit(**INNER)
 def _crossing(count, s, twin, tolerance, gone):  # type: ignore[no-untyped-def]
     """Corners cut off, and the edges that lead to them from corners that stay: numbers of both, one such edge."""
     q = 0
@@ -137,7 +137,7 @@ def _crossing(count, s, twin, tolerance, gone):  # type: ignore[no-untyped-def]
     return q, total, first
 
 
-@njit()
+@njit(**INNER)
 def cut(  # type: ignore[no-untyped-def]
     p, r2, s, twin, face, count, n0, n1, n2, offset, tolerance, name, edges, gone, new
 ):

@@ -35,9 +35,10 @@ def _areas(points, start, levels):  # type: ignore[no-untyped-def]
         low, high = np.inf, -np.inf
         for m in range(a, b):
             low, high = min(low, points[m, 2]), max(high, points[m, 2])
-        first = np.searchsorted(levels, low)
-        for q in range(first, len(levels)):
+        for q in range(len(levels)):
             t = levels[q]
+            if t < low:
+                continue
             if t >= high:
                 break
             up0, up1, down0, down1 = 0.0, 0.0, 0.0, 0.0
@@ -54,7 +55,9 @@ def _areas(points, start, levels):  # type: ignore[no-untyped-def]
                 else:
                     down0, down1 = x, y
             out[q] += 0.5 * (up0 * down1 - up1 * down0)
-    return np.abs(out)
+    for q in range(len(levels)):
+        out[q] = abs(out[q])
+    return out
 
 
 def smallest_section_of(parts: Sequence[SurfacePart], tolerance: float) -> float:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 from fissura.specimen.polyhedron import following
 from fissura.tessellation.corner import corner_scratch, place_corner
 from fissura.tessellation.piece import admitted, clip_piece, work_arrays
 from fissura.tessellation.polygon import area2, clip
-from fissura.tessellation.search import INNER, longer, taller
+from fissura.tessellation.search import longer, taller
 
 __all__ = ["clip_bodies"]
 

@@ -180,7 +180,10 @@ def plane_keys(complex_: Complex) -> IntArray:
 def _arranged(order, count, facets, inner):  # type: ignore[no-untyped-def]
     """Facets between bodies, or those on the surface, sorted by body, what lies behind, plane, and as they come."""
     first = np.zeros(len(count) + 1, np.int64)
-    size = np.zeros(order.max() + 2 if len(order) else 1, np.int64)
+    last = -1
+    for b in range(len(order)):
+        last = max(last, order[b])
+    size = np.zeros(last + 2, np.int64)
     for b in range(len(order)):
         first[b + 1] = first[b] + count[b]
         for q in range(first[b], first[b + 1]):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fissura.kernels import njit
-from fissura.tessellation.search import INNER
+from fissura.kernels import INNER, njit
 
 __all__ = ["corner_scratch", "place_corner"]
 

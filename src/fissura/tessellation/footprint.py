@@ -54,13 +54,17 @@ def _clipped(points, offsets, normal, offset, out, out_offsets):  # type: ignore
     n = 0
     for q in range(len(offsets) - 1):
         count = offsets[q + 1] - offsets[q]
-        a[:count] = points[offsets[q] : offsets[q + 1]]
+        for m in range(count):
+            for i in range(3):
+                a[m, i] = points[offsets[q] + m, i]
         for e in range(len(offset)):
             count = clip(a, count, normal[e], offset[e], b)
             a, b = b, a
             if count == 0:
                 break
-        out[n : n + count] = a[:count]
+        for m in range(count):
+            for i in range(3):
+                out[n + m, i] = a[m, i]
         n += count
         out_offsets[q + 1] = n
     return n

@@ -62,7 +62,8 @@ def _sort(x, low, side, shape):  # type: ignore[no-untyped-def]
         k = place[cell[i]]
         place[cell[i]] += 1
         order[k] = i
-        sorted_x[k] = x[i]
+        for a in range(3):
+            sorted_x[k, a] = x[i, a]
     return start, order, sorted_x
 
 

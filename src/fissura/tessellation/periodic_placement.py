@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 from fissura.tessellation.roots import free_roots
-from fissura.tessellation.search import INNER
 from fissura.tessellation.voxels import Placed, divided, free, surroundings
 
 __all__ = ["SMALLEST_SIDE", "place_periodic"]

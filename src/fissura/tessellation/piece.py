@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 from fissura.specimen.polyhedron import TOO_SHORT, UNCUT, cut, farthest
-from fissura.tessellation.search import INNER, found_within, longer
+from fissura.tessellation.search import found_within, longer
 
 __all__ = ["admitted", "clip_piece", "contains", "work_arrays"]
 

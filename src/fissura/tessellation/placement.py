@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 from fissura.specimen.complex import Complex
 from fissura.tessellation.roots import holder, roots_of
-from fissura.tessellation.search import INNER, longer, taller
+from fissura.tessellation.search import longer, taller
 from fissura.tessellation.voxels import Placed, cell_of, divided, free, surroundings
 
 __all__ = ["place"]

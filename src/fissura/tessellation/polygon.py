@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
-from fissura.tessellation.search import INNER
+from fissura.kernels import INNER, njit
 
 __all__ = ["area2", "areas_and_centroids", "clip"]
 

@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 from fissura.specimen.complex import Complex
 from fissura.specimen.polyhedron import TOO_SHORT, UNCUT, box, cut, following
 from fissura.tessellation.piece import work_arrays
-from fissura.tessellation.search import INNER, longer
+from fissura.tessellation.search import longer
 
 __all__ = ["Roots", "extremes", "free_roots", "holder", "part_of", "roots_of"]
 

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 
-__all__ = ["INNER", "found_within", "longer", "taller"]
-
-#: Options of functions that only compiled code calls: without a way in for others they are compiled in less time.
-INNER: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+__all__ = ["found_within", "longer", "taller"]
 
 
 @njit(**INNER)

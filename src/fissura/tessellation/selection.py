@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 from fissura.tessellation.nuclei import Nuclei
-from fissura.tessellation.search import INNER
 
 __all__ = ["select"]
 
@@ -38,13 +37,19 @@ def _select(x, priority, spacing, side):  # type: ignore[no-untyped-def]
     kept = np.zeros(n, np.bool_)
     low = np.empty(3)
     size = np.empty(3)
+    widest, largest = 0.0, 0.0
     for a in range(3):
-        low[a] = x[:, a].min()
-        size[a] = x[:, a].max() - low[a]
+        low[a], high = x[0, a], x[0, a]
+        for q in range(n):
+            low[a], high = min(low[a], x[q, a]), max(high, x[q, a])
+        size[a] = high - low[a]
+        largest = max(largest, size[a])
+    for q in range(n):
+        widest = max(widest, spacing[q])
     # Grids of kept nuclei, each twice as coarse as the one before; a search takes the first one with cells at least
     # as large as the spacing.
     levels = 1
-    while side * 2.0 ** (levels - 1) < min(spacing.max(), max(size)):
+    while side * 2.0 ** (levels - 1) < min(widest, largest):
         levels += 1
     shape = np.empty((levels, 3), np.int64)
     first = np.zeros(levels + 1, np.int64)

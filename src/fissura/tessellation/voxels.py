@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import INNER, njit
 from fissura.tessellation.piece import work_arrays
 from fissura.tessellation.roots import extremes, part_of
-from fissura.tessellation.search import INNER, longer, taller
+from fissura.tessellation.search import longer, taller
 
 __all__ = ["Placed", "cell_of", "divided", "free", "surroundings"]
 
