@@ -103,6 +103,9 @@ def run(
     case = case_of(case)
     if seed is not None:
         case = with_seed(case, seed)
+    from fissura.kernels import prepare_cache
+
+    prepare_cache()
     if resume:
         if output is None or overwrite:
             raise InputError("--resume", "needs a folder whose run is not replaced", "output, and no --overwrite")

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fissura.bulk import bulk_law
 from fissura.case import Case, Gravity, case_of
 from fissura.errors import InputError, Notice
-from fissura.memory import estimate_memory, gigabytes, physical_memory, require_memory
+from fissura.memory import estimate_bodies, estimate_memory, gigabytes, physical_memory, require_memory
 from fissura.stages_told import stages_in_words
 
 if TYPE_CHECKING:
     from fissura.material.field import RandomField
+    from fissura.specimen import Domain
 
 __all__ = ["CheckReport", "check"]
+
+_QUICK = 3.0
+"""Compiling that takes no longer [s] is done for a check."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -30,14 +34,16 @@ class CheckReport:
         Name of the case.
     law, criterion : str
         Contact law and refinement criterion.
-    bodies_start, bodies_full : int
-        Bodies of the first discretization and of the whole specimen at full resolution.
+    bodies_start : int or None
+        Bodies of the first discretization; None where it was not built.
+    bodies_full : int
+        Bodies of the whole specimen at full resolution; estimated where it was not built.
     nuclei_given : int
         Nuclei of full resolution that a file gave.
-    contacts, fine_contacts : int
-        Contacts of the first discretization, and those of them with the damage law.
-    memory_start, memory_full : float
-        Estimated memory [bytes] of the first discretization and of full resolution.
+    contacts, fine_contacts : int or None
+        Contacts of the first discretization, and those of them with the damage law; None where it was not built.
+    memory_full : float
+        Estimated memory [bytes] of full resolution.
     memory_machine : float
         Memory of this machine [bytes].
     limits : mapping of str to float
@@ -73,11 +79,10 @@ class CheckReport:
     name: str
     law: str
     criterion: str
-    bodies_start: int
+    bodies_start: int | None
     bodies_full: int
-    contacts: int
-    fine_contacts: int
-    memory_start: float
+    contacts: int | None
+    fine_contacts: int | None
     memory_full: float
     memory_machine: float
     limits: Mapping[str, float]
@@ -90,6 +95,26 @@ class CheckReport:
     nuclei_given: int = 0
     field_rows: tuple[tuple[str, str], ...] = field(default=())
     study: str = ""
+
+    @property
+    def memory_start(self) -> float | None:
+        """Estimated memory of the first discretization [bytes]; None where it was not built."""
+        return None if self.bodies_start is None else estimate_memory(self.bodies_start)
+
+    @property
+    def _bodies(self) -> list[tuple[str, str]]:
+        if self.memory_start is None:
+            return [
+                ("bodies at start", "not counted: fissura check --build counts them, after compiling"),
+                ("bodies at full resolution", f"about {self.bodies_full}"),
+            ]
+        return [
+            ("bodies at start", f"{self.bodies_start}"),
+            ("bodies at full resolution", f"{self.bodies_full}"),
+            *self._nuclei,
+            ("contacts at start", f"{self.contacts}, {self.fine_contacts} with damage"),
+            ("memory at start", f"about {gigabytes(self.memory_start)}, grows with refinement"),
+        ]
 
     @property
     def _nuclei(self) -> list[tuple[str, str]]:
@@ -126,11 +151,7 @@ class CheckReport:
             ("law, criterion", f"{self.law}, {self.criterion}"),
             ("elastic, contacts", f"E {self.contact[0] / 1e9:.4g} GPa, alpha {self.contact[1]:.4g}"),
             ("elastic, bulk", f"E {self.macro[0] / 1e9:.4g} GPa, nu {self.macro[1]:.3f}" if self.macro else "-"),
-            ("bodies at start", f"{self.bodies_start}"),
-            ("bodies at full resolution", f"{self.bodies_full}"),
-            *self._nuclei,
-            ("contacts at start", f"{self.contacts}, {self.fine_contacts} with damage"),
-            ("memory at start", f"about {gigabytes(self.memory_start)}, grows with refinement"),
+            *self._bodies,
             (
                 "memory with --full",
                 f"about {gigabytes(self.memory_full)} of {gigabytes(self.memory_machine)}",
@@ -154,13 +175,16 @@ class CheckReport:
         return notebook_html(self.table(), map(str, self.warnings), None)
 
 
-def check(case: Case | Mapping[str, Any] | str | Path) -> CheckReport:
-    """Build everything a run would build, without solving, and describe it, as ``fissura check`` does.
+def check(case: Case | Mapping[str, Any] | str | Path, *, build: bool | None = True) -> CheckReport:
+    """Describe what a case would run, without solving anything, as ``fissura check`` does.
 
     Parameters
     ----------
     case : Case, mapping or path
         As of `fissura.run`.
+    build : bool, optional
+        Whether to place and count all bodies, as a run does, which also finds mistakes that show only then. None: they
+        are counted unless kernels had to be compiled for it.
 
     Returns
     -------
@@ -180,25 +204,55 @@ def check(case: Case | Mapping[str, Any] | str | Path) -> CheckReport:
     """
     case = case_of(case)
     require_memory(case)
-    from fissura.contact import limits_from_case
-    from fissura.simulation import Simulation
+    from fissura.kernels import seconds_to_compile
 
     if case.output.measured is not None:
         from fissura.results.measured import read_measured
 
         read_measured(case.output.measured)
+    if build is None:
+        build = seconds_to_compile() < _QUICK
+    return _built(case) if build else _estimated(case)
+
+
+def _built(case: Case) -> CheckReport:
+    """What a case would run, with its bodies."""
+    from fissura.simulation import Simulation
+
     simulation = Simulation(case)
     contacts = simulation.tessellation.contacts
     lengths = contacts.length[contacts.fine]
-    machine = physical_memory()
-    limits = limits_from_case(case)
+    found = _described(case, simulation.domain, simulation.notices, simulation.bodies_full, lengths.max(initial=0.0))
+    return replace(
+        found,
+        bodies_start=simulation.bodies_start,
+        nuclei_given=simulation.nuclei_given,
+        contacts=len(contacts),
+        fine_contacts=len(lengths),
+        field_rows=_field_rows(case, simulation.field),
+    )
+
+
+def _estimated(case: Case) -> CheckReport:
+    """The same without bodies."""
+    from fissura.described import described
+
+    found = described(case)
+    return _described(case, found.domain, found.notices, round(estimate_bodies(case)), 0.0)
+
+
+def _described(
+    case: Case, domain: Domain, notices: tuple[Notice, ...], bodies_full: int, longest: float
+) -> CheckReport:
+    """What there is to say of a case whose longest fine contact, as far as known, has this length [m]."""
+    from fissura.contact import limits_from_case
+
+    limits, machine = limits_from_case(case), physical_memory()
     # Saturated: no point is farther than l_f from a nucleus, so no two neighbours are more than 2 l_f apart. At a notch
     # that nucleus may lie across it, and the nearest one on the point's own side as far again.
     bound = (4.0 if case.notch else 2.0) * case.discretization.l_f if case.discretization.nuclei is None else 0.0
-    longest = max(bound, float(lengths.max(initial=0.0)))
-    memory_full = estimate_memory(simulation.bodies_full)
-    warnings = list(simulation.notices)
-    study = _study(case)
+    longest, memory_full = max(bound, float(longest)), estimate_memory(bodies_full)
+    warnings = list(notices)
     if longest >= min(limits.values(), default=math.inf):
         warnings.append(
             Notice(
@@ -215,28 +269,24 @@ def check(case: Case | Mapping[str, Any] | str | Path) -> CheckReport:
                 "run adaptively, without --full",
             )
         )
-    energy = case.material.G_t * simulation.domain.smallest_section
     return CheckReport(
         name=case.name,
         law=case.material.law,
         criterion=case.adaptivity.criterion,
-        bodies_start=simulation.bodies_start,
-        bodies_full=simulation.bodies_full,
-        nuclei_given=simulation.nuclei_given,
-        contacts=len(contacts),
-        fine_contacts=len(lengths),
-        memory_start=estimate_memory(simulation.bodies_start),
+        bodies_start=None,
+        bodies_full=bodies_full,
+        contacts=None,
+        fine_contacts=None,
         memory_full=memory_full,
         memory_machine=machine,
         limits=limits,
         longest_contact=longest,
-        weight=None if case.gravity is None else _weight(case.gravity, simulation.domain.volume),
-        stages=stages_in_words(case, energy),
+        weight=None if case.gravity is None else _weight(case.gravity, domain.volume),
+        stages=stages_in_words(case, case.material.G_t * domain.smallest_section),
         warnings=tuple(warnings),
         contact=(case.material.E, case.material.alpha),
         macro=_macro(case),
-        field_rows=_field_rows(case, simulation.field),
-        study=study,
+        study=_study(case),
     )
 
 

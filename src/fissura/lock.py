@@ -2,36 +2,16 @@
 
 from __future__ import annotations
 
-import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from fissura.errors import InputError
+from fissura.exclusive import taken_by_others, try_lock
 from fissura.folder import MARK
 
-if os.name == "nt":
-    import msvcrt
-
-    def _take(number: int) -> None:
-        os.lseek(number, _BYTE, os.SEEK_SET)
-        msvcrt.locking(number, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
-
-else:
-    import fcntl
-
-    def _take(number: int) -> None:
-        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
 __all__ = ["locked"]
-
-#: Where Windows locks, whose locks keep others from reading: far beyond the end of the file.
-_BYTE = 1 << 30
-
-#: What systems say of a lock that another one has.
-_TAKEN = {errno.EAGAIN, errno.EACCES, errno.EDEADLK, errno.EWOULDBLOCK}
 
 
 @contextmanager
@@ -73,9 +53,9 @@ def _opened(path: Path) -> int:
     """Open a mark, made if need be, and lock it."""
     number = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     try:
-        _take(number)
+        try_lock(number)
     except OSError as error:
-        if error.errno in _TAKEN:
+        if taken_by_others(error):
             os.close(number)
             raise InputError(
                 "output",

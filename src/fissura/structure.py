@@ -19,25 +19,11 @@ from fissura.adaptivity import (
     needed_bodies,
     region_from_case,
 )
-from fissura.case import case_notices
-from fissura.contact import check_ductile, law_from_case
+from fissura.described import described
 from fissura.equilibrium import Response, System, Team, check_places
 from fissura.errors import InputError
-from fissura.material import (
-    check_not_everywhere,
-    elastic_from_case,
-    field_from_case,
-    materials_from_case,
-)
-from fissura.specimen import (
-    Conditions,
-    conditions_from_case,
-    domain_from_case,
-    edge_notices,
-    gauge_notices,
-    thin_notices,
-    thin_parts,
-)
+from fissura.material import check_not_everywhere, field_from_case
+from fissura.specimen import Conditions
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case
 
 if TYPE_CHECKING:
@@ -99,20 +85,9 @@ class Structure:
     def __init__(self, case: Case, *, full: bool) -> None:
         self._case, self._full = case, full
         self._criterion = criterion_named(case.adaptivity.criterion)
-        self._law = law_from_case(case)
-        self._material = materials_from_case(case)
-        self.domain = domain_from_case(case)
-        thin = thin_notices(thin_parts(case, self.domain), case.discretization.l_f)
-        check_ductile(case)
-        self._conditions = conditions_from_case(case, self.domain)
-        self.notices = (
-            *case_notices(case),
-            *thin,
-            *edge_notices(case, self.domain),
-            *self.domain.notices,
-            *gauge_notices(self.domain, self._conditions),
-        )
-        self._elastic = elastic_from_case(case)
+        found = described(case)
+        self._law, self._material, self._elastic = found.law, found.materials, found.elastic
+        self.domain, self._conditions, self.notices = found.domain, found.conditions, found.notices
         self.field = field_from_case(case)
         self._team = Team(case.solver.threads)
         self.nuclei = nuclei_from_case(case, self.domain)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -91,8 +94,8 @@ def test_lack_of_memory_names_a_key(monkeypatch: pytest.MonkeyPatch, tiny: Path,
 
     monkeypatch.setattr(place, fail)
     tiny.write_text(f'{TINY}field.length = "50 mm"\n')
-    for command in ("check", "run"):
-        done = call(command, tiny)
+    for command in (("check", "--build"), ("run",)):
+        done = call(*command, tiny)
         assert done.exit_code == 2
         assert done.stderr.startswith(f"error: {key}: there is not enough memory for ")
         assert "GB" in done.stderr
@@ -129,9 +132,23 @@ def test_check_report(fake: type[FakeSimulation]) -> None:
     assert report.warnings == ()
 
 
+@pytest.mark.parametrize("name", ["beam_d100", "nooru_mohamed"])
+def test_check_on_a_fresh_machine_estimates_and_compiles_nothing(name: str, tmp_path: Path) -> None:
+    path = Path(__file__).parents[2] / "examples" / f"{name}.toml"
+    command = [sys.executable, "-m", "fissura", "check", str(path)]
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert list(tmp_path.rglob("*.kernel")) == []
+    assert "compiling" not in done.stderr
+    exact = check(load_case(path))
+    table = dict(line.split("  ", 1) for line in done.stdout.splitlines())
+    assert float(table["bodies at full resolution"].split()[1]) == pytest.approx(exact.bodies_full, rel=0.03)
+    assert "not counted" in table["bodies at start"]
+
+
 def test_check_warns_of_long_contacts(tiny: Path, fake: type[FakeSimulation]) -> None:
     tiny.write_text(TINY.replace("35 J/m^2", "0.1 J/m^2"))
-    done = call("check", tiny)
+    done = call("check", "--build", tiny)
     assert done.exit_code == 0
     assert "warning: discretization.l_f: a fine contact may be longer than the law allows" in done.stderr
     assert "bodies at full resolution  300" in done.stdout

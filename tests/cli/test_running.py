@@ -208,7 +208,7 @@ def test_command_prints_one_line_for_a_wrong_case(tiny: Path) -> None:
 
 
 def test_check_of_a_tiny_beam(tiny: Path) -> None:
-    done = call("check", tiny)
+    done = call("check", "--build", tiny)
     assert done.exit_code == 0, done.output
     assert "bodies at full resolution" in done.stdout
 

@@ -149,8 +149,9 @@ class Warnings(logging.Handler):
         self.shown: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Show what was logged."""
-        self.show(record.getMessage())
+        """Show what was logged, unless it is a note."""
+        if not getattr(record, "note", False):
+            self.show(record.getMessage())
 
     def show(self, message: str) -> None:
         """Show a warning, unless it was shown before."""
@@ -167,7 +168,7 @@ class _Notes(logging.Handler):
         self._console = console
 
     def emit(self, record: logging.LogRecord) -> None:
-        if record.levelno < logging.WARNING:
+        if getattr(record, "note", False):
             self._console.print(record.getMessage(), markup=False, highlight=False, soft_wrap=True)
 
 
@@ -176,17 +177,14 @@ def warnings(console: Console, *, quiet: bool = False) -> Iterator[Warnings]:
     """Show warnings of the package's loggers on a console; unless quiet, that kernels are compiled, too."""
     logger, handler = logging.getLogger("fissura"), Warnings(console)
     kernels, notes = logging.getLogger("fissura.kernels"), _Notes(console)
-    level = kernels.level
     logger.addHandler(handler)
     if not quiet:
         kernels.addHandler(notes)
-        kernels.setLevel(logging.INFO)
     try:
         yield handler
     finally:
         logger.removeHandler(handler)
         kernels.removeHandler(notes)
-        kernels.setLevel(level)
 
 
 def print_table(rows: Sequence[tuple[str, str]], title: str = "") -> None:

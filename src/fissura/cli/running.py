@@ -81,14 +81,20 @@ def run(
             reported(result)
 
 
-def check(case: CaseArgument) -> None:
+def check(
+    case: CaseArgument,
+    build: Annotated[
+        bool,
+        typer.Option("--build", help="Count bodies and contacts, even if kernels have to be compiled for it first."),
+    ] = False,
+) -> None:
     """Validate a case and say what would be run, without running it."""
     with errors():
         from fissura.case import load_case
         from fissura.checking import check as checked
 
         with warnings(Console(stderr=True)) as shown:
-            found = checked(load_case(case))
+            found = checked(load_case(case), build=build or None)
             print_table(found.table())
             for notice in found.warnings:
                 shown.show(str(notice))

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.planes import Face, Planes
 from fissura.specimen.polyhedron import TOO_SHORT, box, cut, following
 
@@ -71,6 +71,7 @@ def clipped_by(
     return left
 
 
+@compiled_when_large(lambda *given: len(given[3]), 5000)
 @njit()
 def _intersection(low, high, normal, offset, tolerance):  # type: ignore[no-untyped-def]
     """Cut a box by half-spaces one after another: number of corners, corners, half-edges and planes on their left."""
@@ -100,6 +101,7 @@ def _intersection(low, high, normal, offset, tolerance):  # type: ignore[no-unty
         room *= 2
 
 
+@compiled_when_large(lambda *given: len(given[1]), 10_000)
 @njit()
 def _settle(corner, face, normal, offset, rank, nearest):  # type: ignore[no-untyped-def]
     """Put corners where their three planes meet, by the same operations in every cell that has these planes.
@@ -146,6 +148,7 @@ def _settle(corner, face, normal, offset, rank, nearest):  # type: ignore[no-unt
                 corner[a, v] = place[a]
 
 
+@compiled_when_large(lambda *given: len(given[1]), 10_000)
 @njit()
 def loops_of(faces, twin, face):  # type: ignore[no-untyped-def]
     """Corners around each face, counterclockwise from outside, and the face across the edge that leaves each."""

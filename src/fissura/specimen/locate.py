@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.complex import Complex
 
 __all__ = ["Locator"]
@@ -14,6 +14,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
+@compiled_when_large(lambda *given: len(given[0]), 300)
 @njit()
 def _boxes(low, high, origin, side, shape):  # type: ignore[no-untyped-def]
     """Cells that reach into each box of a grid, box after box."""
@@ -44,6 +45,7 @@ def _boxes(low, high, origin, side, shape):  # type: ignore[no-untyped-def]
     return start, cells
 
 
+@compiled_when_large(lambda *given: len(given[0]), 1000)
 @njit()
 def _located(x, low, high, plane_start, normal, offset, origin, side, shape, start, cells):  # type: ignore[no-untyped-def]
     """The convex cell in which each point lies deepest, -1 for those outside of all."""

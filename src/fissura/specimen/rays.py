@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.complex import Complex
 
 __all__ = ["distance_to_surface"]
@@ -14,6 +14,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
+@compiled_when_large(lambda *given: len(given[0]), 1000)
 @njit()
 def _marched(x, direction, cell, cx):  # type: ignore[no-untyped-def]
     """Walk from cell to cell through open parts of faces."""

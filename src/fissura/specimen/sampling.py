@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.planar import Flat
 
 __all__ = ["sampled_interval", "sampled_polygon"]
@@ -84,6 +84,7 @@ def _inside(corners: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
     return out
 
 
+@compiled_when_large(lambda *given: len(given[3]), 5000)
 @njit()
 def _in_rectangles(corners, u, v, i, j):  # type: ignore[no-untyped-def]
     """Areas and centroids of what of a convex polygon (k, 2) lies in rectangles of a grid."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.kernels import njit
+from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.planes import SAME
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ LEAST_SIDE = 0.1
 _MOST_LEVELS = 400
 
 
+@compiled_when_large(lambda *given: len(given[0]) * len(given[2]), 500_000)
 @njit()
 def _areas(points, start, levels):  # type: ignore[no-untyped-def]
     """Areas of the sections perpendicular to the last axis at levels where no corner lies."""

@@ -1,0 +1,79 @@
+"""Processes that compile what every run needs, while the first run goes on and compiles what it needs first."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import subprocess
+import sys
+import threading
+
+from fissura.kernels.place import PACKAGE
+from fissura.threads import usable_processors
+
+__all__ = ["Helpers", "help_out"]
+
+#: Helpers that share the work well: more would wait for each other.
+_MOST = 3
+
+_CODE = "import sys; sys.path.insert(0, sys.argv[1]); from fissura.kernels.helpers import help_out; help_out()"
+
+
+class Helpers:
+    """Helpers of this process; they end with it."""
+
+    def __init__(self) -> None:
+        self._running: list[subprocess.Popen[bytes]] = []
+
+    def start(self) -> int:
+        """Start one for every further processor, some at most; tells how many processes compile now, this one too."""
+        count = min(usable_processors() - 1, _MOST) if sys.executable else 0
+        for _ in range(count):
+            with contextlib.suppress(OSError):
+                self._running.append(_started())
+        if self._running:
+            atexit.register(self.stop)
+        return 1 + len(self._running)
+
+    def stop(self) -> None:
+        """End them."""
+        for one in self._running:
+            one.kill()
+            one.wait()
+        self._running.clear()
+
+
+def _started() -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-c", _CODE, str(PACKAGE.parent)]
+    hidden = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # a flag of Windows
+    silent = subprocess.DEVNULL
+    # Its input ends when this process does, however that happens.
+    return subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=silent,
+        stderr=silent,
+        start_new_session=os.name == "posix",
+        creationflags=hidden,
+    )
+
+
+def help_out() -> None:
+    """Compile what every run needs and no other process has begun, longest first."""
+    from fissura.kernels.known import dispatcher, known, signature
+    from fissura.kernels.state import process
+
+    process().say = False
+    threading.Thread(target=_wait_for_the_end, daemon=True).start()
+    for one in known():
+        with contextlib.suppress(Exception):  # an old list, say: then it is compiled when it is called
+            function, kinds = dispatcher(one), signature(one)
+            if not function._cache.is_there(kinds, function.targetctx):
+                function.compile(kinds)
+
+
+def _wait_for_the_end() -> None:
+    with contextlib.suppress(OSError):
+        sys.stdin.buffer.read()
+    os._exit(0)
