@@ -59,7 +59,7 @@ def test_a_second_signal_says_so_and_a_third_gives_up() -> None:
         with pytest.raises(KeyboardInterrupt):
             send("SIGINT")
         send("SIGINT")
-        assert said == ["still saving; once more gives up"]
+        assert said == ["still saving; Ctrl-C once more stops without saving"]
         with pytest.raises(KeyboardInterrupt):
             send("SIGINT")
 
@@ -99,7 +99,7 @@ def test_impatience_ends_a_shield() -> None:
 
     with interruptible(said.append), pytest.raises(KeyboardInterrupt):
         save()
-    assert said == ["still saving; once more gives up"]
+    assert said == ["still saving; Ctrl-C once more stops without saving"]
 
 
 def test_ctrl_c_of_a_program_that_only_imports_us_waits_too() -> None:

@@ -362,7 +362,7 @@ def test_missing_sections_are_refused(ended, tmp_path):
 
 
 def test_resuming_needs_a_folder():
-    with pytest.raises(InputError, match="needs a folder"):
+    with pytest.raises(InputError, match="goes on with the run in a folder"):
         fissura.run(build("refinement"), resume=True)
 
 

@@ -108,7 +108,9 @@ def run(
     prepare_cache()
     if resume:
         if output is None or overwrite:
-            raise InputError("--resume", "needs a folder whose run is not replaced", "output, and no --overwrite")
+            raise InputError(
+                "--resume", "goes on with the run in a folder, and does not replace it", "output, and no --overwrite"
+            )
         from fissura.results.checkpoint import checkpoint_in
 
         checkpoint_in(Path(output))

@@ -52,7 +52,7 @@ class _Handler:
         if not impatient:
             return
         if self._count == 2:
-            self._say("still saving; once more gives up")
+            self._say("still saving; Ctrl-C once more stops without saving")
         elif self._count == 1 and self._shields:
             self._held = True
         else:

@@ -73,7 +73,8 @@ class Jumps:
             Notice(
                 "control.max_step",
                 f"damage jumped before the peak in {len(before)} of {self.until} steps, first at step {first} (gauge"
-                f" {gauge:.3g} m): what comes then depends on the length of steps, and the peak may by some per cent",
+                f" {gauge:.3g} m): results after that step depend on the length of"
+                " steps, and the peak may change by a few per cent",
                 "see whether a run with a smaller max_step has the same peak",
             ),
         )

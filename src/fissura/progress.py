@@ -110,7 +110,7 @@ class RunProgress(_Live):
             self._done.peak = state.totals.peak
             quantity = self._quantity if state.leg is None else state.leg.quantity  # that of the way it is on
             value = f"load {force(state.now.value)}" if quantity == "force" else f"{quantity} {length(state.now.value)}"
-            self.say(f"goes on after step {state.number}, {value}")
+            self.say(f"continues after step {state.number}, {value}")
         if self._line is not None:
             self._line.change("first step" if state is None else "next step")
 

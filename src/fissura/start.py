@@ -76,7 +76,7 @@ def started(model: Model, bodies: tuple[int, int]) -> State:
                 kind = f"moves the {case.quantity} the other way than full resolution does"
             raise InputError(
                 "discretization.l_c",
-                f"{case.discretization.l_c:g} m: the start {kind}, more than calibration can mend (it has"
+                f"{case.discretization.l_c:g} m: the start {kind}, which calibration cannot correct (the start has"
                 f" {bodies[0]} of {bodies[1]} bodies)",
                 "a smaller l_c, or a larger adaptivity.r_f (adaptivity.calibrate = false runs it all the same)",
             )

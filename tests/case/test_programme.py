@@ -64,7 +64,7 @@ WRONG = [
     ("loads.gravity", (stage(),), {"loads": {"gravity": A}}, "own weight"),
     ('loads."my load"', (stage(),), {"loads": {"my load": A}}, "letters, digits"),
     ("loads.load", (stage(),), {"loads": {"load": A}}, "another name"),
-    ("loads", (), TWO | {"control": {"target": 2e-5}}, "which one leads"),
+    ("loads", (), TWO | {"control": {"target": 2e-5}}, "which one it applies"),
     ("gravity.density", (stage(),), {"gravity": {}}, "2400 kg/m"),
     ("gravity.density", (stage(),), {"gravity": {"density": "24 kN/m^3"}}, "measures something else"),
     ("gravity", (stage(),), {"gravity": True}, "not a table"),

@@ -34,13 +34,13 @@ def test_a_finished_run_is_left_alone_and_goes_on_to_a_larger_target(quick: Path
     before = Path("results/tiny/curve.csv").stat().st_mtime_ns
     done = call("run", quick, "--resume")
     assert done.exit_code == 0
-    assert "the run in results/tiny has ended, and control.target is no larger: nothing was changed" in done.stderr
+    assert "the run in results/tiny has ended, and control.target is not larger: nothing was changed" in done.stderr
     assert Path("results/tiny/curve.csv").stat().st_mtime_ns == before
     steps = len(read_curve("results/tiny")["step"])
     quick.write_text(TINY.replace('"2 um"', '"3 um"'))
     done = call("run", quick, "--resume")
     assert done.exit_code == 0, done.stderr
-    assert f"goes on after step {steps}, gauge 2.00 µm" in done.stderr
+    assert f"continues after step {steps}, gauge 2.00 µm" in done.stderr
     assert read_curve("results/tiny")["gauge_m"][-1] == 3e-6
 
 
@@ -53,14 +53,14 @@ def test_a_run_that_ended_under_a_force_tells_the_force(quick: Path) -> None:
     assert call("run", case, "--output", "staged").exit_code == 0
     curve = read_curve("staged")
     assert (
-        "has ended, and no stage leads farther: nothing was changed"
+        "has ended, and no stage goes further: nothing was changed"
         in call("run", case, "--output", "staged", "--resume").stderr
     )
     data["stage"][0]["to"].append("3 um")
     case.write_text(json.dumps(data))
     done = call("run", case, "--output", "staged", "--resume")
     assert done.exit_code == 0, done.stderr
-    assert f"goes on after step {len(curve['step'])}, load {force(curve['load_N'][-1])}\n" in done.stderr
+    assert f"continues after step {len(curve['step'])}, load {force(curve['load_N'][-1])}\n" in done.stderr
 
 
 def test_what_is_refused(quick: Path) -> None:

@@ -79,7 +79,7 @@ def test_a_curve_that_turns_back_is_seen_as_a_whole(tmp_path, monkeypatch):
     (axes,) = drawn(monkeypatch, lambda: plot_curve(snapped(), tmp_path / "curve.png"))
     assert axes.get_xlim() == pytest.approx((0.0, 1.02 * 30))
     assert axes.get_xlabel() == "gauge opening [µm]"
-    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["computed steps", "led by energy"]
+    assert [entry.get_text() for entry in axes.get_legend().get_texts()] == ["computed steps", "dissipation control"]
 
 
 def test_the_axis_names_the_quantity(tmp_path, monkeypatch):

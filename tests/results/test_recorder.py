@@ -53,7 +53,7 @@ def test_a_run_led_by_energy_reloads(tmp_path):
         recorder.add(step)
     result, again = recorder.finish("finished"), Result.load(tmp_path)
     assert result.led_by_energy.tolist() == again.led_by_energy.tolist() == [False] * 2 + [True] * 4
-    assert dict(again.table())["steps"].startswith("6 (4 led by energy) with")
+    assert dict(again.table())["steps"].startswith("6 (4 under dissipation control) with")
     assert 'timestep="3"' in (tmp_path / "bodies.pvd").read_text()
 
 

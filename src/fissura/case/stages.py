@@ -96,7 +96,9 @@ def resolved_stages(
         gauge = _only(gauges, "gauge")
         for names, key, clear in ((placed, "loads", len(placed) == 1), (gauges, "gauges", gauge or not by_gauge)):
             if not clear:
-                fail(f"{len(names)} are given, and [control] does not say which one leads", "[[stage]] tables", key)
+                fail(
+                    f"{len(names)} are given, and [control] does not say which one it applies", "[[stage]] tables", key
+                )
         return (
             LoadingStage(
                 "control",

@@ -23,7 +23,6 @@ __all__ = ["app", "main", "start_light"]
 
 app = typer.Typer(
     help="Simulates the fracture of concrete with adaptive discrete models.",
-    add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from fissura.cli.machine import for_programs, is_for_programs, tell_error
 from fissura.errors import FissuraError, InputError, RunStopped
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "print_columns",
     "print_table",
     "say",
+    "verbosely",
     "warnings",
     "writing",
 ]
@@ -45,22 +47,26 @@ def say(message: str) -> None:
 
 
 @contextmanager
-def errors() -> Iterator[None]:
-    """Turn the errors a user can meet into a message and an exit status."""
-    try:
-        yield
-    except RunStopped as error:
-        say(f"error: {error}{_saved(error)}")
-        raise typer.Exit(STOPPED) from None
-    except FissuraError as error:
-        say(f"error: {error}")
-        raise typer.Exit(BAD_INPUT) from None
-    except MemoryError:
-        say("error: there is not enough memory for this; what was written before is kept")
-        raise typer.Exit(STOPPED) from None
-    except KeyboardInterrupt as error:
-        say(f"interrupted{_saved(error)}")
-        raise typer.Exit(INTERRUPTED) from None
+def errors(*, json: bool = False) -> Iterator[None]:
+    """Turn the errors a user can meet into a message, or into JSON, and an exit status."""
+    with for_programs(json):
+        try:
+            yield
+        except RunStopped as error:
+            raise _ended(f"error: {error}{_saved(error)}", STOPPED, error) from None
+        except FissuraError as error:
+            raise _ended(f"error: {error}", BAD_INPUT, error) from None
+        except MemoryError:
+            message = "error: there is not enough memory for this; what was written before is kept"
+            raise _ended(message, STOPPED) from None
+        except KeyboardInterrupt as error:
+            raise _ended(f"interrupted{_saved(error)}", INTERRUPTED) from None
+
+
+def _ended(message: str, status: int, error: BaseException | None = None) -> typer.Exit:
+    """Tell an error; what is returned ends the command."""
+    tell_error(message, status, error)
+    return typer.Exit(status)
 
 
 def _saved(error: BaseException) -> str:
@@ -98,8 +104,8 @@ def not_written(error: OSError, where: str | Path, kept: str = "") -> typer.Exit
     kept : str, optional
         What is not lost.
     """
-    say(f"error: {where}: cannot be written: {error.strerror or error}{'; ' if kept else ''}{kept}")
-    return typer.Exit(NOT_WRITTEN)
+    message = f"error: {where}: cannot be written: {error.strerror or error}{'; ' if kept else ''}{kept}"
+    return _ended(message, NOT_WRITTEN)
 
 
 @contextmanager
@@ -160,6 +166,33 @@ class Warnings(logging.Handler):
             self.console.print(f"warning: {message}", markup=False, highlight=False, soft_wrap=True)
 
 
+class _Told(logging.Handler):
+    """Shows what modules log below warnings: what a run does, in detail."""
+
+    def __init__(self, console: Console) -> None:
+        super().__init__(logging.INFO)
+        self._console = console
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if record.levelno < logging.WARNING:
+            self._console.print(record.getMessage(), markup=False, highlight=False, soft_wrap=True)
+
+
+@contextmanager
+def verbosely(console: Console, *, wanted: bool) -> Iterator[None]:
+    """Show what the package's loggers have to say below warnings, if that is wanted."""
+    logger, handler = logging.getLogger("fissura"), _Told(console)
+    level = logger.level
+    if wanted:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
+
+
 class _Notes(logging.Handler):
     """Shows what is no warning, but takes the user's time."""
 
@@ -175,6 +208,8 @@ class _Notes(logging.Handler):
 @contextmanager
 def warnings(console: Console, *, quiet: bool = False) -> Iterator[Warnings]:
     """Show warnings of the package's loggers on a console; unless quiet, that kernels are compiled, too."""
+    if is_for_programs():
+        console = Console(quiet=True)
     logger, handler = logging.getLogger("fissura"), Warnings(console)
     kernels, notes = logging.getLogger("fissura.kernels"), _Notes(console)
     logger.addHandler(handler)

@@ -7,11 +7,14 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["CaseArgument", "FullOption", "OverwriteOption", "QuietOption"]
+__all__ = ["CaseArgument", "FullOption", "JsonOption", "OverwriteOption", "QuietOption"]
 
 CaseArgument = Annotated[
     Path, typer.Argument(metavar="CASE", help="Case file (TOML), or case.json of a run.", show_default=False)
 ]
 FullOption = Annotated[bool, typer.Option("--full", help="Full resolution everywhere, no adaptivity.")]
 OverwriteOption = Annotated[bool, typer.Option("--overwrite", help="Replace earlier results there.")]
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Write one JSON object to standard output and nothing else; errors, too.")
+]
 QuietOption = Annotated[bool, typer.Option("--quiet", help="Print errors and warnings only.")]

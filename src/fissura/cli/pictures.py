@@ -10,7 +10,8 @@ import typer
 from rich.console import Console
 
 from fissura.cli.console import check_ending, errors, print_table, warnings, writing
-from fissura.cli.options import CaseArgument, FullOption
+from fissura.cli.machine import comparison_json, print_json
+from fissura.cli.options import CaseArgument, FullOption, JsonOption
 from fissura.errors import InputError
 
 if TYPE_CHECKING:
@@ -98,22 +99,24 @@ def compare(
     bodies: Annotated[
         bool, typer.Option("--bodies", help="Draw bodies and cracks of both, too: compare_bodies.png.")
     ] = False,
+    json: JsonOption = False,
 ) -> None:
     """Compare two runs: a table of differences, and a picture of both curves."""
-    with errors():
+    with errors(json=json):
         from fissura.folder import claimed
         from fissura.results.compare import compare as compare_folders
 
         with warnings(Console(stderr=True)):
             comparison = compare_folders(a, b)
-        print_table(comparison.table(), title=f"{a} against {b}")
+        if not json:
+            print_table(comparison.table(), title=f"{a} against {b}")
         picture = plot if plot is not None else a / "compare.png"
         check_ending(picture, "--plot")
         with writing(picture):
             if plot is None:
                 claimed(picture, "--plot")
             comparison.save(picture)
-        typer.echo(f"picture: {picture}")
+        pictures = [picture]
         if bodies:
             from fissura.results.comparison_files import save_bodies
 
@@ -122,7 +125,12 @@ def compare(
                 if plot is None:
                     claimed(beside, "--plot")
                 save_bodies(comparison, beside)
-            typer.echo(f"picture: {beside}")
+            pictures.append(beside)
+        if json:
+            print_json({"a": str(a), "b": str(b), **comparison_json(comparison), "pictures": list(map(str, pictures))})
+        else:
+            for picture in pictures:
+                typer.echo(f"picture: {picture}")
 
 
 def moments(

@@ -10,8 +10,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from fissura.cli.console import errors, file_names, go_on, not_written, print_table, say, warnings
-from fissura.cli.options import CaseArgument, FullOption, OverwriteOption, QuietOption
+from fissura.cli.console import (
+    errors,
+    file_names,
+    go_on,
+    not_written,
+    print_table,
+    say,
+    verbosely,
+    warnings,
+)
+from fissura.cli.machine import check_json, print_json
+from fissura.cli.options import CaseArgument, FullOption, JsonOption, OverwriteOption, QuietOption
 from fissura.cli.report import report_at_end, reported
 from fissura.errors import InputError
 from fissura.interrupts import interruptible
@@ -36,9 +46,12 @@ def run(
     seed: Annotated[int | None, typer.Option(min=0, help="Seed, instead of that of the case.")] = None,
     report: Annotated[bool, typer.Option("--report", help="Write a page about it at the end: report.html.")] = False,
     quiet: QuietOption = False,
+    verbose: Annotated[bool, typer.Option("--verbose", help="Tell what happens within steps, too.")] = False,
+    json: JsonOption = False,
 ) -> None:
     """Run a case and write its results."""
-    with errors(), interruptible(say), report_at_end(wanted=report):
+    quiet |= json
+    with errors(json=json), interruptible(_nothing if json else say), report_at_end(wanted=report):
         from fissura import api
         from fissura.case import load_case
         from fissura.progress import RunProgress
@@ -56,7 +69,11 @@ def run(
                 progress.start(simulation)
 
         try:
-            with warnings(console, quiet=quiet) as shown, progress or nullcontext():
+            with (
+                warnings(console, quiet=quiet) as shown,
+                verbosely(console, wanted=verbose and not json),
+                progress or nullcontext(),
+            ):
                 result = api.run(
                     loaded,
                     full=full,
@@ -72,13 +89,19 @@ def run(
         except OSError as error:
             kept = f"kept in {folder}: {file_names(folder)}{go_on(folder)}" if folder.is_dir() else "nothing was kept"
             raise not_written(error, error.filename or f"a file in {folder}", kept) from None
-        if not begun:
-            farther = "no stage leads farther" if result.case.stage else "control.target is no larger"
+        if json:
+            print_json({**result.summary, "folder": str(folder), "files": file_names(folder).split(", ")})
+        elif not begun:
+            farther = "no stage goes further" if result.case.stage else "control.target is not larger"
             say(f"the run in {folder} has ended, and {farther}: nothing was changed")
         if not quiet:
             print_table([*result.table(), ("results", str(folder)), ("files", file_names(folder))])
         if report:
             reported(result)
+
+
+def _nothing(message: str) -> None:
+    """Say nothing."""
 
 
 def check(
@@ -87,14 +110,18 @@ def check(
         bool,
         typer.Option("--build", help="Count bodies and contacts, even if kernels have to be compiled for it first."),
     ] = False,
+    json: JsonOption = False,
 ) -> None:
     """Validate a case and say what would be run, without running it."""
-    with errors():
+    with errors(json=json):
         from fissura.case import load_case
         from fissura.checking import check as checked
 
         with warnings(Console(stderr=True)) as shown:
             found = checked(load_case(case), build=build or None)
+            if json:
+                print_json(check_json(found))
+                return
             print_table(found.table())
             for notice in found.warnings:
                 shown.show(str(notice))

@@ -54,7 +54,10 @@ def study(
         early = sum(not m.finished for m in found.found)
         print_table(
             [
-                ("adaptive runs", f"{len(found.found)}, {early} of which did not finish or have a twin that did not"),
+                (
+                    "adaptive runs",
+                    f"{len(found.found)}, {early} of which did not finish, or whose run at full resolution did not",
+                ),
                 ("runs left", f"{found.left}"),
                 ("written", ", ".join(str(path) for path in files)),
             ]

@@ -274,7 +274,7 @@ class PathFollower:
                 first = min(max(growth, gauge.smallest), gauge.longest)
                 gauge = StepLength.starting(first, gauge.longest, gauge.smallest)
                 self._remember(in_energy=False, since=0, gauge=gauge)
-                _log.info("the %s leads again at %.4g m", self._quantity, value)
+                _log.info("controlled by the %s again, at %.4g m", self._quantity, value)
             return
         self._remember(since=self.memory.since + 1, gauge=self.memory.gauge.after(iterations, leg.progress(value)))
         loading = leg.forward(found.load) > 0.0
@@ -334,4 +334,4 @@ class PathFollower:
         energy = StepLength.starting(first, memory.energy.longest, memory.energy.smallest)
         needed = min(2 * memory.needed, _MOST_GROWING) if memory.since < _SOON else _GROWING
         self._remember(energy=energy, needed=needed, in_energy=True, failures=0, growing=0)
-        _log.info("dissipated energy leads, with %.3g J a step", energy.length)
+        _log.info("dissipation control is active, with %.3g J a step", energy.length)

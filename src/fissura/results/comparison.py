@@ -122,7 +122,7 @@ class Comparison:
         energy = f"{ENERGY} at the ends" if self.by_energy else ENERGY
         why = f"; the {NAMES[self.quantity]} turns back" if self.by_energy else ""
         bodies = [text.count(float(r.curve["bodies"][-1])) for r in (self.a, self.b)]
-        seconds = [text.seconds(float(r.curve["cpu_s"][-1])) for r in (self.a, self.b)]
+        cpu, wall = ([text.seconds(float(r.curve[name][-1])) for r in (self.a, self.b)] for name in ("cpu_s", "wall_s"))
         slower = 0.0 < self.cpu_ratio < 1.0
         faster = (
             f"{text.ratio(1.0 / self.cpu_ratio if slower else self.cpu_ratio)} times {'slower' if slower else 'faster'}"
@@ -151,8 +151,9 @@ class Comparison:
             ("bodies at the end", f"{bodies[0]} against {bodies[1]}"),
             (
                 "processor time",
-                f"{seconds[0]} against {seconds[1]}: {faster}",
+                f"{cpu[0]} against {cpu[1]}: {faster}",
             ),
+            ("wall time", f"{wall[0]} against {wall[1]}"),
         ]
 
     def numbers(self) -> dict[str, tuple[float, float, float]]:

@@ -94,7 +94,7 @@ def curve_figure(result: Result) -> Figure:
             color=LIGHT,
             markeredgecolor=BLUE,
             markeredgewidth=0.6,
-            label="led by energy",
+            label="dissipation control",
             zorder=3.5,
         )
     refined = gauge[result.curve["refinements"] > 0]

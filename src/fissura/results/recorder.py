@@ -16,6 +16,8 @@ from fissura.results.curve import COLUMN_OF, COLUMNS, GrowingCurve, case_columns
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.result import Result
+from fissura.results.run_log import FILE as LOG
+from fissura.results.run_log import RunLog
 from fissura.results.saving import CheckpointWriter
 from fissura.results.state import LAST, write_state
 from fissura.results.storing import draw_pictures, write_case
@@ -72,6 +74,7 @@ class Recorder:
         self._path = folder
         self._curve: CurveWriter | None = None
         self._saving: CheckpointWriter | None = None
+        self._log: RunLog | None = None
         self._history = HistoryWriter(float(simulation.domain.bounds[:, 2].mean()))
         if begun is None and (start := getattr(simulation, "tessellation", None)) is not None:
             self._history.start(start)
@@ -102,6 +105,8 @@ class Recorder:
             if self._saving is not None and state is not None:
                 self._saving.add(state, highest=highest)
             self._curve.write(values)
+            if self._log is not None:
+                self._log.step(step, self._simulation.case.quantity)
             if due:
                 self._states.write(self._last)
             if self._saving is not None and self._saving.due:
@@ -161,6 +166,8 @@ class Recorder:
         if ended is not None:
             ended.result = result  # type: ignore[attr-defined]
         with shielded():
+            if self._log is not None:
+                self._log.end(result.summary["status"], result.summary["message"], self._wall(), self._cpu())
             self._write_summary(result.summary)
         if ended is not None:
             raise ended
@@ -201,6 +208,10 @@ class Recorder:
         self._curve = CurveWriter(self._own("curve.csv"), names, curve)
         checkpoint = None if begun is None else begun.checkpoint
         self._saving = CheckpointWriter(self._simulation, self._folder, self._history, checkpoint)
+        self._log = RunLog(self._own(LOG), go_on=begun is not None)
+        full, start = self._simulation.full, self._simulation.bodies_start
+        kind = "full resolution" if full else f"adaptive, full resolution has {self._simulation.bodies_full}"
+        self._log.begin(case, f"{start} bodies ({kind})", 0 if checkpoint is None else checkpoint.steps)
         self._write_summary(self._summary("running", ""))
 
     def _resume(self, folder: Path, begun: Begun) -> None:

@@ -215,8 +215,7 @@ def _beyond(tolerance: float | None, bound: float | None) -> list[Notice]:
     return [
         Notice(
             "adaptivity.tolerance",
-            f"the load may be {bound:.2%} of its peak off full resolution, which is more than the {tolerance:.2%} asked"
-            " for",
+            f"the estimated load error is {bound:.2%} of the peak, more than the tolerance of {tolerance:.2%}",
             "a smaller tolerance refines earlier",
         )
     ]

@@ -19,7 +19,7 @@ def rows_of(result: Result) -> list[tuple[str, str]]:
     """Rows of name and value that describe a run."""
     s, number = result.summary, result.number
     kind = "full resolution" if result.full else f"adaptive ({s.get('criterion')})"
-    led = f" ({s['steps_led_by_energy']} led by energy)" if s.get("steps_led_by_energy") else ""
+    led = f" ({s['steps_led_by_energy']} under dissipation control)" if s.get("steps_led_by_energy") else ""
     coarser = f"{s['coarsenings']} coarsenings, " if s.get("coarsenings") else ""
     at_peak = float(result.controlled[peak_position(result.load_values)]) if result.steps else math.nan
     bodies = " → ".join(text.count(number(key)) for key in ("bodies_start", "bodies_end"))
@@ -35,8 +35,8 @@ def rows_of(result: Result) -> list[tuple[str, str]]:
         ("energy balance error", text.per_cent(number("energy_balance_error"))),
         ("load and reactions differ by", text.per_cent(number("unbalanced_force"))),
         (
-            "elastic contacts at most at",
-            text.per_cent(number("max_elastic_utilisation")) + " of strength",
+            "largest elastic utilisation",
+            text.per_cent(number("max_elastic_utilisation")) + " of the strength, in elastic contacts",
         ),
         *_precision(result),
         ("bodies", f"{bodies} (full: {text.count(number('bodies_full'))})"),
@@ -44,7 +44,7 @@ def rows_of(result: Result) -> list[tuple[str, str]]:
             "steps",
             f"{result.steps}{led} with {s.get('refinements')} refinements, {coarser}{s.get('iterations')} iterations",
         ),
-        ("time", f"{text.seconds(number('wall_s'))} ({text.seconds(number('cpu_s'))} of processor)"),
+        ("time", f"{text.seconds(number('wall_s'))} (processor time {text.seconds(number('cpu_s'))})"),
         ("memory", f"{number('peak_memory_MB'):.0f} MB"),
     ]
 
@@ -54,4 +54,4 @@ def _precision(result: Result) -> list[tuple[str, str]]:
     if result.summary.get("load_error_bound") is None:
         return []
     bound = text.per_cent(result.number("load_error_bound"))
-    return [("load off full resolution", f"by {bound} of its peak at most, in 9 of 10 runs like it")]
+    return [("estimated load error", f"at most {bound} of the peak (holds in 9 of 10 runs)")]
