@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
@@ -13,6 +12,7 @@ from fissura.lines import line_on
 from fissura.results.done import Done
 from fissura.results.names import driven_in
 from fissura.results.quantities import force, length
+from fissura.time_left import TimeLeft
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -24,9 +24,8 @@ __all__ = ["ManyProgress", "RunProgress", "duration"]
 EVERY_SECONDS = 5.0
 EVERY_FRACTION = 0.05
 
-KNOWN_SHARE, KNOWN_STEPS = 0.05, 5
-"""Share of a run, and steps after the first, from which on the pace says something about the rest. The first step takes
-much else along, and the steps after it are short until the specimen has shown that it takes longer ones."""
+ALMOST = 0.1
+"""Time left, over that which has gone by, below which a run is almost done: last steps differ too much to say more."""
 
 
 def duration(seconds: float) -> str:
@@ -89,7 +88,7 @@ class RunProgress(_Live):
         self._case, self._quantity = case, case.quantity
         self._done = Done(case)
         self._start = time.monotonic()
-        self._recent: deque[tuple[float, float]] = deque(maxlen=11)
+        self._pace = TimeLeft()
         self._refinements = 0
         self._shown = (self._start, 0.0)
 
@@ -118,9 +117,9 @@ class RunProgress(_Live):
         """Show an accepted step."""
         now = time.monotonic()
         share = self._done.after(step.done, step.load)
-        self._recent.append((now, share))
+        left = self._pace.after(now, share)
         self._refinements += step.refinements
-        text = self._told(step, now)
+        text = self._told(step, now, left)
         if self._line is not None:
             self._line.change(text, share)
             if step.refinements:
@@ -131,7 +130,7 @@ class RunProgress(_Live):
             self._shown = (now, share)
             self.say(f"{100 * share:3.0f} %  {text}")
 
-    def _told(self, step: Step, now: float) -> str:
+    def _told(self, step: Step, now: float, left: float | None) -> str:
         name, load = driven_in(self._case, step)
         parts = [
             f"step {step.number}",
@@ -142,23 +141,14 @@ class RunProgress(_Live):
             _count(step.iterations, "iteration"),
             f"{duration(now - self._start)} elapsed",
         ]
-        left = self._left()
-        return ", ".join(parts if left is None else [*parts, f"about {duration(left)} left"])
+        if left is not None:
+            parts.append("almost done" if left < ALMOST * (now - self._start) else f"about {duration(left)} left")
+        return ", ".join(parts)
 
     def _left_of_peak(self, step: Step) -> str:
         """What is left of the peak load, past it; the controlled quantity says little while energy leads."""
         load, peak = abs(step.load), self._done.peak
         return f" ({100 * load / peak:.0f} % of the peak)" if step.control == "dissipation" and load < peak else ""
-
-    def _left(self) -> float | None:
-        """Time [s] to the end at the pace of the last steps; None as long as this pace is no guide."""
-        (then, before), (now, share) = self._recent[0], self._recent[-1]
-        steps = len(self._recent) - 1
-        if share < KNOWN_SHARE or steps < KNOWN_STEPS or share <= before:
-            return None
-        last = share - self._recent[-2][1]
-        growing = last * steps > 2.0 * (share - before)
-        return None if growing else (1.0 - share) * (now - then) / (share - before)
 
 
 class ManyProgress(_Live):

@@ -160,28 +160,6 @@ def test_progress_where_energy_leads(tiny: Path, capsys: pytest.CaptureFixture[s
     assert f"load {force(20.0)} (5 % of the peak), 9 bodies" in lines[3]
 
 
-def test_the_time_left_is_told_when_the_pace_says_something(tiny: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Steps double from a hundredth of the longest one on; the first takes as long as a hundred others."""
-    now = [0.0]
-    monkeypatch.setattr("fissura.progress.time.monotonic", lambda: now[0])
-    case = load_case(tiny)
-    lengths = [0.0001 * 2**k for k in range(7) for _ in range(2)]
-    lengths += [0.0128] * round((1.0 - sum(lengths)) / 0.0128)
-    gauges = [case.control.target * sum(lengths[: k + 1]) for k in range(len(lengths))]
-    progress, told = RunProgress(Console(stderr=True), case), {}
-    for number, gauge in enumerate(gauges, 1):
-        now[0] += 100.0 if number == 1 else 1.0
-        step = {"number": number, "gauge": gauge, "controlled": gauge, "load": 1.0, "bodies": 9, "refinements": 0}
-        step["done"] = gauge / case.control.target
-        progress.step(SimpleNamespace(**step, iterations=2, control="gauge", stage=1))  # type: ignore[arg-type]
-        if (left := progress._left()) is not None:
-            told[number] = left
-    first = min(told)
-    assert sum(lengths[:first]) < 0.1
-    for number, left in told.items():
-        assert 0.8 * (len(lengths) - number) - 1 <= left <= 2.0 * (len(lengths) - number) + 1
-
-
 def test_api_runs_tables(tiny: Path, fake: type[FakeSimulation]) -> None:
     """Tables of a case file, as nested dictionaries."""
     tables = tomllib.loads(tiny.read_text())

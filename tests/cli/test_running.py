@@ -61,7 +61,7 @@ def test_run_writes_to_results_and_shows_steps(tiny: Path, fake: type[FakeSimula
     assert len(shown) == 20
     where = f"50 %  step 10, gauge {length(1e-6)}, load {force(1234.0)}, 110 bodies"
     assert f"{where}, 2 refinements, 4 iterations, 0 s elapsed" in done.stderr
-    assert ["left" in line for line in shown] == [k >= 5 for k in range(20)]
+    assert all(line.endswith(("elapsed", "left", "almost done")) for line in shown)
 
 
 def test_run_options(tiny: Path, fake: type[FakeSimulation]) -> None:
