@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import os
 import re
 import subprocess
 import sys
@@ -61,3 +62,9 @@ def test_what_is_completed_after_the_package_is_what_is_public() -> None:
         == sorted(set(fissura.__all__) - {"__version__"})
     )
     assert files("fissura").joinpath("py.typed").is_file()
+
+
+def test_the_page_of_commands_is_that_of_the_program() -> None:
+    code = [sys.executable, str(ROOT / "benchmarks" / "command_line.py")]
+    done = subprocess.run(code, capture_output=True, text=True, check=True, env=os.environ | {"COLUMNS": "200"})
+    assert done.stdout.strip() in page("command-line.md"), "python benchmarks/command_line.py --write"

@@ -209,7 +209,7 @@ def test_comparison_as_a_table_and_as_files(result: Result, tmp_path: Path) -> N
 
 
 def test_what_is_checked_in_a_notebook() -> None:
-    report = CheckReport("<b>", "law", "none", 1, 2, 3, 4, 5.0, 6.0, 7.0, {}, 8.0, (("gauge", "50"),))
+    report = CheckReport("<b>", "law", "none", 1, 2, 3, 4, 6.0, 7.0, {}, 8.0, (("gauge", "50"),))
     words = Page(report._repr_html_()).words
     assert "<b>" in words
     assert "b" not in Page(report._repr_html_()).tags
