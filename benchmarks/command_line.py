@@ -19,7 +19,7 @@ def commands() -> str:
     """All commands with arguments and options, in Markdown."""
     group = typer.main.get_command(app)
     text = get_docs_for_click(obj=group, ctx=typer.Context(group, info_name="fissura"), name="fissura")
-    text = text[text.index("## ") :].replace("```console\n$ ", "```\n")
+    text = text[text.index("## ") :].replace("```console\n$ ", "```text\n")
     text = text.replace("\n```\n\n**", "\n```\n\n**").replace("* `--help`: Show this message and exit.\n", "")
     return re.sub(r"\*\*Options\*\*:\n\n(?=\n|##|$)", "", text).rstrip() + "\n"
 
