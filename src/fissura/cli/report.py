@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 
 from fissura.cli.console import errors, not_written, warnings
+from fissura.cli.machine import is_for_programs
 from fissura.errors import RunStopped
 
 if TYPE_CHECKING:
@@ -49,7 +50,8 @@ def reported(source: Path | Result, output: Path | None = None, *, runs: bool = 
             )
     except OSError as error:
         raise not_written(error, error.filename or output or NAME) from None
-    typer.echo(f"report: {path}, {path.stat().st_size / 1e6:.1f} MB")
+    if not is_for_programs():
+        typer.echo(f"report: {path}, {path.stat().st_size / 1e6:.1f} MB")
 
 
 @contextmanager
