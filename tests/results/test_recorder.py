@@ -62,8 +62,8 @@ def test_files_of_a_run(tmp_path):
     result = record(folder)
     vtu = {f"{kind}_{number:04d}.vtu" for kind in ("bodies", "contacts") for number in (3, 5, 10)}
     others = {
-        ".fissura", "bodies.pvd", "contacts.pvd", "case.json", "curve.csv", "curve.png", "crack.png", "run.log", "summary.json",
-        "state_last.npz", "section.npz",
+        ".fissura", "bodies.pvd", "contacts.pvd", "case.json", "curve.csv", "curve.png", "crack.png", "run.log",
+        "summary.json", "state_last.npz", "section.npz",
     }  # fmt: skip
     assert {p.name for p in folder.iterdir()} == vtu | others
     assert all(p.stat().st_size > 0 for p in folder.iterdir())
