@@ -196,6 +196,8 @@ def _picture(
         axes[0].plot(1e6 * one.openings, one.loads.mean(axis=0) / 1e3, color=MEAN, linestyle=style, label=one.name)
     if len(predictions) > 1:
         axes[0].legend(frameon=False, fontsize=8)
+    top = max(float(one.loads.mean(axis=0).max()) for one in predictions)
+    axes[0].set_ylim(0.0, 1.1e-3 * max(top, *predictions[0].peaks))
     if paths:
         heights = 1e3 * np.array(HEIGHTS)
         for path in paths:
