@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from fissura.cli import app
 from fissura.results import specimen_picture
+from fissura.results.lettering import fit
 from fissura.results.specimen_picture import Sight, plot_specimen
 from fissura.simulation import Simulation
 
@@ -75,6 +76,16 @@ def test_gravity_is_drawn_in_any_direction(monkeypatch, small_case, direction) -
     """Along the line of sight, too, where an arrow has no length."""
     _, figure = drawn(monkeypatch, small_case, Sight(0.0, 0.0), gravity={"density": 2400.0, "direction": direction})
     assert "gravity" in [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_a_long_name_stays_inside(monkeypatch, small_case) -> None:
+    _, figure = drawn(monkeypatch, small_case, Sight(), name="long name " * 9 + "end")
+    fit(figure)
+    title = figure._suptitle
+    box = title.get_window_extent()
+    assert title.get_text().startswith("long name")
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1
 
 
 def test_command(tmp_path: Path, monkeypatch) -> None:

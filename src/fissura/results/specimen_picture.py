@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from fissura.results.lettering import legend_below, literal, save
+from fissura.results.lettering import legend_below, literal, may_shrink, save
 from fissura.results.pictures import INK
 from fissura.results.specimen_signs import SUPPORT, WEIGHT, Signs, Spots, signs_of
 from fissura.results.stage import COARSE, FINE
@@ -109,10 +109,11 @@ def plot_specimen(simulation: Simulation, path: str | Path, sight: Sight | None 
     axes.set_ylim(low[1] - 0.14 * size, high[1] + 0.14 * size)
     kind = "full resolution" if simulation.full else f"start; {simulation.bodies_full} at full resolution"
     extent = " x ".join(f"{1e3 * length:.4g}" for length in simulation.domain.size)
-    lines = [f"{case.name}: {extent} mm, {simulation.bodies_start} bodies ({kind})"]
+    lines = [case.name, f"{extent} mm, {simulation.bodies_start} bodies ({kind})"]
     if unseen:
         lines.append(f"not in view: {', '.join(unseen)}")
-    figure.suptitle("\n".join(literal(line) for line in lines), fontsize=11, color=INK)
+    title = "\n".join(literal(line) for line in lines)
+    may_shrink(figure.suptitle(title, x=0.02, ha="left", fontsize=11, color=INK))
     names = {name: artist for artist, name in entries}  # each once
     legend_below(figure, [(artist, literal(name)) for name, artist in names.items()], colour=INK)
     save(figure, Path(path), dpi=110)
