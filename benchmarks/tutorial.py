@@ -32,7 +32,7 @@ PICTURES = {
 }
 
 #: Rows that differ from run to run.
-VARY = ("time", "memory", "processor time")
+VARY = ("time", "memory", "processor time", "wall time")
 
 _WIDEST, _PICTURE_WIDTH = 110, 1200
 
