@@ -52,6 +52,13 @@ def test_differences_are_told(script: ModuleType) -> None:
     assert script.differences(notebook, other) != []
 
 
+def test_last_digits_are_no_difference(script: ModuleType) -> None:
+    assert script._alike("peak 1.497 kN,  2.50e-07 m", "peak 1.498 kN, 2.5e-07 m")
+    assert script._alike("balance -0.00 %", "balance 0.00 %")
+    assert not script._alike("peak 1.49 kN", "peak 1.59 kN")
+    assert not script._alike("540 bodies", "540 facets")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_notebooks_run_and_show_what_they_say(name: str, script: ModuleType) -> None:
