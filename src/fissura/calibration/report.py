@@ -7,7 +7,8 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from fissura.files import write_atomically
-from fissura.results.lettering import attempted, rendered
+from fissura.results.attempted import attempted
+from fissura.results.lettering import rendered
 from fissura.results.pictures import DPI
 from fissura.results.provenance import versions
 

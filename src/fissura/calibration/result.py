@@ -364,8 +364,8 @@ class Calibration:
 
     def _repr_html_(self) -> str:
         from fissura.calibration.picture import plot_calibration
+        from fissura.results.attempted import attempted
         from fissura.results.html import embedded, notebook_html
-        from fissura.results.lettering import attempted
 
         picture = attempted("the curves", lambda: embedded(plot_calibration(self), f"curves of {self.name}"))
         return notebook_html([*self.table(), ("results", str(self.folder))], self.warnings, picture)

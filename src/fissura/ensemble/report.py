@@ -24,7 +24,7 @@ from fissura.reports.libraries import have_libraries
 from fissura.reports.origin import origin_rows
 from fissura.reports.page import rendered, write_page
 from fissura.results import quantities as text
-from fissura.results.lettering import attempted
+from fissura.results.attempted import attempted
 from fissura.results.lettering import rendered as png_of
 from fissura.results.pictures import DPI
 from fissura.results.provenance import versions

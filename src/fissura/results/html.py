@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from fissura.results.lettering import attempted, rendered
+from fissura.results.attempted import attempted
+from fissura.results.lettering import rendered
 from fissura.results.pictures import comparison_figure, curve_figure
 
 if TYPE_CHECKING:

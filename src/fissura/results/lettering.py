@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import io
-import logging
 import re
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TypeVar
 from weakref import WeakSet
 
 from matplotlib import rc_context
@@ -19,7 +17,7 @@ from matplotlib.text import Text
 
 from fissura.files import write_atomically
 
-__all__ = ["attempted", "fit", "legend_below", "literal", "may_shrink", "rendered", "save"]
+__all__ = ["fit", "legend_below", "literal", "may_shrink", "rendered", "save"]
 
 SMALLEST = 7.0
 """Letters of a line that does not fit shrink to this size [points]; then its middle is left out."""
@@ -27,9 +25,6 @@ SMALLEST = 7.0
 GAP = 10.0
 """What a line keeps from the next thing on its right, and from the edge [points]."""
 
-T = TypeVar("T")
-
-_log = logging.getLogger(__name__)
 _marked: WeakSet[Text] = WeakSet()
 
 
@@ -121,27 +116,6 @@ def _shortened(line: Text, row: str, width: float) -> str:
         kept -= 1
         row = literal(f"{whole[: kept - kept // 2]}…{whole[len(whole) - kept // 2 :]}")
     return row
-
-
-def attempted(name: str, draw: Callable[[], T]) -> T | None:
-    """Draw a picture; where that fails say so, and go on: results are worth more than pictures of them.
-
-    Parameters
-    ----------
-    name : str
-        Of the file, for the message.
-    draw : callable
-        Draws it.
-
-    Returns
-    -------
-    Whatever `draw` returns, or None where it failed.
-    """
-    try:
-        return draw()
-    except Exception as error:
-        _log.warning("%s was not drawn: %s", name, str(error) or type(error).__name__)
-        return None
 
 
 def rendered(figure: Figure, *, form: str | None, dpi: float) -> bytes:

@@ -11,9 +11,9 @@ from fissura.errors import InputError
 from fissura.files import write_atomically, write_json
 from fissura.folder import Folder, prepare_folder
 from fissura.lock import locked
+from fissura.results.attempted import attempted
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.history import FILE, HistoryWriter
-from fissura.results.lettering import attempted
 from fissura.results.state import LAST, state_file, write_state
 from fissura.results.summary import result_folder, write_summary
 from fissura.step import Moment

@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fissura.results.lettering import attempted, legend_below, literal, may_shrink, save
+from fissura.results.attempted import attempted
+from fissura.results.lettering import legend_below, literal, may_shrink, save
 from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
