@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from fissura.errors import InputError
-from fissura.folder import MARK, Folder, FolderKind, claimed, kind_of, prepare_folder
+from fissura.folder import MARK, Folder, FolderKind, claimed, copied, kind_of, prepare_folder
 
 KINDS: tuple[FolderKind, ...] = ("run", "ensemble", "study", "elastic", "calibration")
 
@@ -176,3 +176,16 @@ def test_an_ensemble_of_before_marks(tmp_path: Path) -> None:
 def test_a_summary_of_another_program_is_no_mark(tmp_path: Path, text: str) -> None:
     (tmp_path / "summary.json").write_text(text)
     assert kind_of(tmp_path) is None
+
+
+@pytest.mark.parametrize("kind", ["ensemble", "calibration"])
+def test_a_copy_onto_itself_is_refused_and_nothing_is_lost(tmp_path: Path, kind: FolderKind) -> None:
+    Folder.begun(tmp_path, kind).add("a.csv", "sub/")
+    (tmp_path / "a.csv").write_text("1")
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "foreign.txt").write_text("of somebody else")
+    with pytest.raises(InputError, match=f"is the folder of the {kind} itself"):
+        copied(tmp_path, tmp_path, kind, overwrite=True)
+    assert (tmp_path / "a.csv").read_text() == "1"
+    other = copied(tmp_path, tmp_path.parent / f"{kind}-copy", kind)
+    assert sorted(path.name for path in other.iterdir()) == [MARK, "a.csv", "sub"]

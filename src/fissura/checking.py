@@ -12,6 +12,7 @@ from fissura.bulk import bulk_law
 from fissura.case import Case, Gravity, case_of
 from fissura.errors import InputError, Notice
 from fissura.memory import estimate_bodies, estimate_memory, gigabytes, physical_memory, require_memory
+from fissura.rows import aligned
 from fissura.stages_told import stages_in_words
 
 if TYPE_CHECKING:
@@ -165,9 +166,7 @@ class CheckReport:
         ]
 
     def __repr__(self) -> str:
-        width = max(len(name) for name, _ in self.table())
-        lines = [f"{name:<{width}}  {value}" for name, value in self.table()]
-        return "\n".join([*lines, *(f"warning: {notice}" for notice in self.warnings)])
+        return "\n".join([*aligned(self.table()), *(f"warning: {notice}" for notice in self.warnings)])
 
     def _repr_html_(self) -> str:
         from fissura.results.html import notebook_html

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
@@ -13,7 +14,7 @@ from fissura.earlier import kind_before_marks, names_before_marks
 from fissura.errors import InputError
 from fissura.files import part_of
 
-__all__ = ["MARK", "Folder", "FolderKind", "claimed", "kind_of", "prepare_folder"]
+__all__ = ["MARK", "Folder", "FolderKind", "claimed", "copied", "kind_of", "prepare_folder"]
 
 FolderKind = Literal["run", "ensemble", "study", "elastic", "calibration"]
 """What a folder of results is of."""
@@ -166,6 +167,48 @@ def prepare_folder(
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError("output", f"cannot write in {folder}: {reason}", "a writable folder") from None
+    return folder
+
+
+def copied(source: Path, target: str | Path, kind: FolderKind, *, overwrite: bool = False) -> Path:
+    """Copy results, and nothing else that lies beside them, to another folder.
+
+    Parameters
+    ----------
+    source : Path
+        Folder of results.
+    target : path
+        New or empty, or with earlier results of this kind to be replaced.
+    kind : {"run", "ensemble", "study", "elastic", "calibration"}
+        What the results are of.
+    overwrite : bool, optional
+        Whether the target may hold earlier results.
+
+    Returns
+    -------
+    Path
+        The target.
+
+    Raises
+    ------
+    InputError
+        The target holds something else, or results without permission to replace them, is the source itself, or cannot
+        be written.
+    OSError
+        A file cannot be written.
+    """
+    folder = prepare_folder(target, kind, overwrite=overwrite)
+    if folder.resolve() == source.resolve():
+        raise InputError("save", f"{folder} is the folder of the {kind} itself", "another folder")
+    own = Folder.begun(folder, kind)
+    for name in dict.fromkeys(Folder(source).names()):
+        old, new = source / name, folder / name
+        own.add(name)
+        new.parent.mkdir(parents=True, exist_ok=True)
+        if old.is_dir():
+            shutil.copytree(old, new, dirs_exist_ok=True)
+        elif old.is_file():
+            shutil.copy2(old, new)
     return folder
 
 

@@ -56,6 +56,9 @@ def test_known_constants_come_back_and_nothing_is_lost(beam_file: Path, measured
     assert loaded.as_dict() == found.as_dict()
     assert repr(loaded) == repr(found)
     assert loaded.save(tmp_path / "saved").values == found.values
+    with pytest.raises(InputError, match="is the folder of the calibration itself"):
+        loaded.save(folder, overwrite=True)
+    assert fissura.Calibration.load(folder).as_dict() == found.as_dict()
     assert {path.name for path in folder.iterdir()} >= {"calibrated.toml", "calibration.json", "calibration.html"}
     page = (folder / "calibration.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") == 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,8 +11,9 @@ from numpy.typing import NDArray
 
 from fissura.case.load import read_json
 from fissura.errors import InputError
-from fissura.folder import Folder, prepare_folder
+from fissura.folder import copied
 from fissura.results.quantities import per_cent
+from fissura.rows import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -251,15 +251,7 @@ class Calibration:
         >>> found.save("results/found again").folder.name
         'found again'
         """
-        target = prepare_folder(folder, "calibration", overwrite=overwrite)
-        own = Folder.begun(target, "calibration")
-        for name in dict.fromkeys(Folder(self.folder).names()):
-            own.add(name)
-            (target / name).parent.mkdir(parents=True, exist_ok=True)
-            if (self.folder / name).is_dir():
-                shutil.copytree(self.folder / name, target / name, dirs_exist_ok=True)
-            elif (self.folder / name).is_file():
-                shutil.copy2(self.folder / name, target / name)
+        target = copied(self.folder, folder, "calibration", overwrite=overwrite)
         return Calibration.load(target)
 
     def table(self) -> list[tuple[str, str]]:
@@ -371,8 +363,7 @@ class Calibration:
         return notebook_html([*self.table(), ("results", str(self.folder))], self.warnings, picture)
 
     def __repr__(self) -> str:
-        width = max(len(name) for name, _ in self.table())
-        return "\n".join(f"{name:<{width}}  {value}" for name, value in self.table())
+        return "\n".join(aligned(self.table()))
 
 
 def _plain(value: Any) -> Any:

@@ -226,9 +226,10 @@ def print_table(rows: Sequence[tuple[str, str]], title: str = "") -> None:
     """Print rows of name and value: a table in a terminal, plain lines elsewhere."""
     console = Console()
     if not console.is_terminal:
-        width = max(len(name) for name, _ in rows)
-        for name, value in rows:
-            typer.echo(f"{name:<{width}}  {value}")
+        from fissura.rows import aligned
+
+        for line in aligned(rows):
+            typer.echo(line)
         return
     table = Table(title=Text(title) if title else None, show_header=False)
     for name, value in rows:

@@ -18,10 +18,12 @@ from fissura.ensemble.plan import Kind, Plan
 from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.table import Table, read_table, select
 from fissura.files import write_json
+from fissura.folder import copied
 from fissura.results.curve import COLUMN_OF, read_curve
 from fissura.results.path import LoadPath
 from fissura.results.result import Result
 from fissura.results.summary import read_summary
+from fissura.rows import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -397,9 +399,8 @@ class EnsembleResult:
         >>> study.save("results/study").folder.name
         'study'
         """
-        from fissura.ensemble.store import copied
-
-        return EnsembleResult(self.plan, self.rows, copied(self.folder, folder, overwrite=overwrite), self.values)
+        target = copied(self.folder, folder, "ensemble", overwrite=overwrite)
+        return EnsembleResult(self.plan, self.rows, target, self.values)
 
     def _repr_html_(self) -> str:
         from fissura.ensemble.html import ensemble_html
@@ -416,8 +417,7 @@ class EnsembleResult:
         return found
 
     def __repr__(self) -> str:
-        width = max(len(name) for name, _ in self.table())
-        return "\n".join(f"{name:<{width}}  {value}" for name, value in self.table())
+        return "\n".join(aligned(self.table()))
 
 
 def _there(data: dict[str, Any]) -> str | None:

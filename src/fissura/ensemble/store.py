@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +12,7 @@ from fissura.ensemble.kept import FOLDERS, Kept, kept
 from fissura.ensemble.plan import Kind, Plan
 from fissura.errors import InputError
 from fissura.files import part_of, sync_folder, write_atomically, write_json
-from fissura.folder import Folder, prepare_folder
+from fissura.folder import Folder
 from fissura.results.curve import COLUMNS
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.provenance import versions
@@ -22,7 +21,7 @@ from fissura.results.summary import FORMAT_VERSION, read_summary, write_summary
 if TYPE_CHECKING:
     from fissura.ensemble.outcome import Outcome
 
-__all__ = ["Store", "copied", "describe"]
+__all__ = ["Store", "describe"]
 
 OWN = (
     "ensemble.json",
@@ -209,31 +208,6 @@ class Store:
         }
         write_summary(part / "summary.json", summary)
         return summary
-
-
-def copied(source: Path, target: str | Path, *, overwrite: bool) -> Path:
-    """Copy the files of an ensemble, and nothing else that lies beside them, to another folder.
-
-    Raises
-    ------
-    InputError
-        The folder holds something else, or an ensemble without permission to replace it, or cannot be written.
-    OSError
-        A file cannot be written.
-    """
-    folder = prepare_folder(target, "ensemble", overwrite=overwrite)
-    if folder.resolve() == source.resolve():
-        raise InputError("save", f"{folder} is the folder of the ensemble itself", "another folder")
-    own = Folder.begun(folder, "ensemble")
-    for name in dict.fromkeys(Folder(source).names()):
-        old, new = source / name, folder / name
-        own.add(name)
-        new.parent.mkdir(parents=True, exist_ok=True)
-        if old.is_dir():
-            shutil.copytree(old, new, dirs_exist_ok=True)
-        elif old.is_file():
-            shutil.copy2(old, new)
-    return folder
 
 
 def _goes_on(old: list[int] | None, new: list[int] | None) -> bool:

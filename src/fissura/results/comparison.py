@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from fissura.results import quantities as text
 from fissura.results.path import NAMES
+from fissura.rows import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -294,8 +295,7 @@ class Comparison:
         return comparison_html(self)
 
     def __repr__(self) -> str:
-        width = max(len(name) for name, _ in self.table())
-        return "\n".join(f"{name:<{width}}  {value}" for name, value in self.table())
+        return "\n".join(aligned(self.table()))
 
 
 def _pair(show: text.Formatter, a: float, b: float, difference: float) -> str:

@@ -12,6 +12,7 @@ from fissura.results.curve import COLUMNS, Curve, read_curve
 from fissura.results.numbers import Numbers
 from fissura.results.state import read_states
 from fissura.results.summary import curve_numbers, read_summary, result_folder
+from fissura.rows import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -438,6 +439,4 @@ class Result(Numbers):
         return result_html(self)
 
     def __repr__(self) -> str:
-        rows = self.table()
-        width = max(len(name) for name, _ in rows)
-        return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
+        return "\n".join(aligned(self.table()))

@@ -1,0 +1,29 @@
+"""Rows of name and value as plain lines, as commands print them and results show themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+__all__ = ["aligned"]
+
+
+def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
+    """One line for each row, the values one below the other.
+
+    Parameters
+    ----------
+    rows : sequence of (str, str)
+        Names and values, at least one.
+
+    Returns
+    -------
+    list of str
+        The lines.
+
+    Examples
+    --------
+    >>> aligned([("case", "beam"), ("seed", "1")])
+    ['case  beam', 'seed  1']
+    """
+    width = max(len(name) for name, _ in rows)
+    return [f"{name:<{width}}  {value}" for name, value in rows]
