@@ -16,10 +16,10 @@ from typing import Any
 import above  # noqa: F401
 import numpy as np
 from numpy.typing import NDArray
-from predicted import LINE, MEAN, Predicted, told
+from predicted import LINE, MEAN, Predicted
 
-from common import ROOT, Check, Report, main, options, table
-from fissura import Case, load_case
+from common import ROOT, Check, Report, example, main, options, shown, table
+from fissura import Case
 from fissura.bulk_tension import bulk_tension
 from fissura.results.lettering import save
 from fissura.results.pictures import DPI, INK, headline, tidy
@@ -33,11 +33,6 @@ SIZES = (6e-3, 8e-3)
 WEDGE = ((2.5e6, 105.0), (2.0e6, 80.0), (2.0e6, 130.0), (3.0e6, 80.0), (3.0e6, 130.0))
 #: Facets that are open wider are crack [m]; heights at which its place is told, and of the strips for it [m].
 OPEN, HEIGHTS, STRIP = 10e-6, (0.03, 0.04, 0.05, 0.06, 0.07), 0.01
-
-
-def beside(name: str) -> Case:
-    """A case of the examples folder."""
-    return load_case(ROOT / "examples" / f"{name}.toml")
 
 
 def concrete(case: Case, strength: float, energy: float, l_f: float | None = None) -> Case:
@@ -79,24 +74,29 @@ to the end of the range, over the ligament."""
 HEADS = ["", "realisations", "peak [kN]", "opening at the peak [µm]", "first step [kN/mm]", "work [N/m]"]
 
 
+def _told(values: list[float], unit: float, digits: int) -> str:
+    """Mean and standard deviation in another unit."""
+    return shown((unit * value for value in values), digits)
+
+
 def _line(one: Predicted) -> list[str]:
     return [
         one.name,
         f"{len(one.numbers)}",
-        told(one.peaks, 1e-3, 2),
-        told(one.at_peaks, 1e6, 1),
-        told(one.stiffness, 1e-6, 0),
-        told(one.work, 1.0, 0),
+        _told(one.peaks, 1e-3, 2),
+        _told(one.at_peaks, 1e6, 1),
+        _told(one.stiffness, 1e-6, 0),
+        _told(one.work, 1.0, 0),
     ]
 
 
 def _curve(one: Predicted, openings: list[float]) -> list[str]:
-    return [f"{one.name}: load [kN]", *(told(one.loads_at(opening), 1e-3, 2) for opening in openings)]
+    return [f"{one.name}: load [kN]", *(_told(one.loads_at(opening), 1e-3, 2) for opening in openings)]
 
 
 def unnotched(found: argparse.Namespace) -> tuple[str, list[Predicted]]:
     """Grégoire's beam without a notch, over both lengths of the gauge."""
-    case, about = beside("gregoire_d50_unnotched"), {"ligament": 0.05 * 0.05, "until": 0.15e-3}
+    case, about = example("gregoire_d50_unnotched", 1), {"ligament": 0.05 * 0.05, "until": 0.15e-3}
     folder = found.keep / "gregoire_d50_unnotched"
     short = Predicted.of("over 70 mm", case, found.runs, folder, **about)
     long = Predicted("over 100 mm", short.ensemble, gauge="gauge_over_100mm_m", **about)
@@ -117,7 +117,7 @@ def unnotched(found: argparse.Namespace) -> tuple[str, list[Predicted]]:
 
 def mixed(found: argparse.Namespace) -> tuple[str, list[Predicted]]:
     """The beam of García-Álvarez, Gettu and Carol."""
-    case, every = beside("garcia_alvarez_mixed_mode"), []
+    case, every = example("garcia_alvarez_mixed_mode", 1), []
     for k, l_f in enumerate(SIZES):
         folder = found.keep / f"garcia_alvarez_{1e3 * l_f:g}mm"
         runs = found.runs if k == 0 else found.fewer
@@ -148,7 +148,7 @@ def mixed(found: argparse.Namespace) -> tuple[str, list[Predicted]]:
 
 def wedge(found: argparse.Namespace) -> tuple[str, list[Predicted]]:
     """The block, for the middle and the ends of what its concrete may be."""
-    case, every = beside("wedge_splitting"), []
+    case, every = example("wedge_splitting", 1), []
     for k, (strength, energy) in enumerate(WEDGE):
         name = f"{strength / 1e6:g} MPa, {energy:g} N/m"
         runs = found.runs if k == 0 else found.fewer

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from statistics import mean, stdev
 from typing import TYPE_CHECKING, Any
 
 import above  # noqa: F401
@@ -55,7 +54,6 @@ class Predicted:
     def of(cls, name: str, case: Case, runs: int, folder: Path, **about: Any) -> Predicted:
         """Run a case with several structures; what is in the folder already is not run again."""
         say(f"{name}: {runs} realisations")
-        case = case.with_({"output.vtk": 0, "output.measured": None})
         there = (folder / "ensemble.json").exists()
         found = run_ensemble(case, runs, output=folder, companions="none", keep=True, resume=there, seed=1)
         return cls(name, found, **about)
@@ -123,9 +121,3 @@ class Predicted:
         tidy(axes)
         legend(axes)
         headline(axes, title, note)
-
-
-def told(values: list[float], unit: float, digits: int) -> str:
-    """Mean and standard deviation of values, times `unit`."""
-    spread = f" ± {unit * stdev(values):.{digits}f}" if len(values) > 1 else ""
-    return f"{unit * mean(values):.{digits}f}{spread}"
