@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from common import Run, changed, say
 from fissura import Case, RunStopped, load_case, run
-from fissura.step import Snapshot, Step
+from fissura.simulation.step import Snapshot, Step
 from meaning import F_T, L_F, MODULUS, Group, prism
 
 FloatArray = NDArray[np.float64]

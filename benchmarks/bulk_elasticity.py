@@ -1,6 +1,6 @@
 """The table of Poisson's ratio against alpha that the package brings along, from periodic saturated structures.
 
-Writes src/fissura/bulk_elasticity.csv with --write; without, compares that table with new structures. Modulus of
+Writes src/fissura/case/bulk_elasticity.csv with --write; without, compares that table with new structures. Modulus of
 elasticity follows from ``E_macro = E (1 - 2 nu)``, which is exact. Some minutes with the defaults. With --density 0.65
 sequential placement gives up at that many nuclei in a cube of side l_min, and its values are compared with those that
 pictures show for it.
@@ -15,13 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
-from fissura.bulk import bulk_law
+from fissura.case.macroscopic import bulk_law
 from fissura.elasticity.homogenise import Homogenisation
 from fissura.elasticity.pictures import SPARSE
 from fissura.elasticity.stiffness import isotropic_part
 from fissura.tessellation.periodic import PeriodicCell, periodic_cell
 
-TABLE = Path(__file__).resolve().parent.parent / "src" / "fissura" / "bulk_elasticity.csv"
+TABLE = Path(__file__).resolve().parent.parent / "src" / "fissura" / "case" / "bulk_elasticity.csv"
 
 ALPHA = (
     *(0.01, 0.0125, 0.015, 0.02, 0.025, 0.03, 0.04, 0.05, 0.0625, 0.075, 0.1, 0.125, 0.15, 0.175, 0.2, 0.225, 0.25),

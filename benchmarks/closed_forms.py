@@ -35,7 +35,7 @@ from elastic_specimens import (
     solved,
     system_of,
 )
-from fissura.bulk import bulk_law
+from fissura.case.macroscopic import bulk_law
 
 #: Radii of holes and diameters of cylinders, which are twice as long, in spacings.
 HOLES, CYLINDERS = (4.0, 8.0, 12.0), (6.0, 10.0, 15.0)

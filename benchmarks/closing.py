@@ -13,7 +13,7 @@ from typing import Any
 from common import Report, main, options, say, table
 from fissura import Case, RunStopped, run
 from fissura.case import case_from_dict
-from fissura.step import Step
+from fissura.simulation.step import Step
 
 L_F, WIDTH, LAYER = 0.01, 0.05, 0.008
 BROKEN = 0.9

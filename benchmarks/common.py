@@ -19,7 +19,7 @@ from typing import Any
 
 from fissura import Case, Result, RunStopped, Simulation, load_case, run
 from fissura.case import case_from_dict
-from fissura.equilibrium.direct import best_solver
+from fissura.linear.direct import best_solver
 from fissura.results.compare import compare_results
 
 ROOT = Path(__file__).resolve().parent.parent

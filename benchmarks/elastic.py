@@ -16,14 +16,14 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from common import ROOT, Check, Report, main, options, say, table
-from fissura.bulk import bulk_law, voigt
+from fissura.case.macroscopic import bulk_law, voigt
 from fissura.contact import body_stress, contact_strains
 from fissura.elasticity.homogenise import Homogenisation
 from fissura.elasticity.pictures import SPARSE, plot_alpha, plot_size
 from fissura.elasticity.specimen import Prism
 from fissura.elasticity.stiffness import isotropic_part
 from fissura.elasticity.study import Study, spread, study
-from fissura.results.pictures import BLUE, DPI, INK, ORANGE, headline, tidy
+from fissura.pictures.curves import BLUE, DPI, INK, ORANGE, headline, tidy
 from fissura.tessellation.periodic import PeriodicCell
 
 FloatArray = NDArray[np.float64]

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fissura.adaptivity import region_from_case
-from fissura.bulk import bulk_law
 from fissura.case import Case, Patch, case_from_dict
+from fissura.case.macroscopic import bulk_law
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System, attach
 from fissura.material import material_from_case

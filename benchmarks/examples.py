@@ -20,8 +20,8 @@ from typing import Any
 from PIL import Image
 
 from common import ROOT, machine, say, write_section
-from fissura.results import quantities
-from fissura.results.moments import plot_moments
+from fissura.pictures.moments import plot_moments
+from fissura.text import quantities
 from small_pictures import save_small, scaled
 
 EXAMPLES = ROOT / "examples"

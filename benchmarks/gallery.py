@@ -20,10 +20,10 @@ from PIL import Image
 from common import ROOT, say
 from fissura import run
 from fissura.case import case_from_dict, load_case
-from fissura.results.pyvista_tools import screenshot
-from fissura.results.specimen_picture import plot_specimen
-from fissura.results.specimen_view import specimen_view
-from fissura.simulation import Simulation
+from fissura.pictures.pyvista_tools import screenshot
+from fissura.pictures.specimen import plot_specimen
+from fissura.pictures.specimen_window import specimen_view
+from fissura.simulation.loop import Simulation
 from small_pictures import save_small, scaled
 
 TEMPLATES = Path(str(files("fissura") / "templates"))

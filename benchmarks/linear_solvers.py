@@ -26,10 +26,10 @@ from common import ROOT, Check, Report, changed, example, main, options, say, ta
 from fissura import Case
 from fissura.contact import law_from_case
 from fissura.equilibrium import System
-from fissura.equilibrium.amg import SmoothedAggregation
-from fissura.equilibrium.direct import best_solver
-from fissura.equilibrium.team import Team
-from fissura.equilibrium.two_level import TwoLevel
+from fissura.linear.amg import SmoothedAggregation
+from fissura.linear.direct import best_solver
+from fissura.linear.two_level import TwoLevel
+from fissura.machine.kernel_threads import Team
 from fissura.material import material_from_case
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import discretize, nuclei_from_case

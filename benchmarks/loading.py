@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from common import ROOT, Check, Report, main, options, say, table
 from fissura import Case, Result, RunStopped, run
 from fissura.case import case_from_dict
-from fissura.step import Snapshot, Step
+from fissura.simulation.step import Snapshot, Step
 from loading_figures import draw
 
 FloatArray = NDArray[np.float64]

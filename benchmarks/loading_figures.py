@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fissura import Result
-from fissura.results.lettering import save
-from fissura.results.moments import plot_moments
-from fissura.results.pictures import BLUE, DPI, GREY, ORANGE, headline, legend, tidy
+from fissura.pictures.curves import BLUE, DPI, GREY, ORANGE, headline, legend, tidy
+from fissura.pictures.lettering import save
+from fissura.pictures.moments import plot_moments
 
 __all__ = ["draw"]
 

@@ -17,11 +17,11 @@ from PIL import Image
 
 import fissura
 from fissura.case import case_from_dict
+from fissura.pictures.animation import animate
+from fissura.pictures.moments import plot_moments
 from fissura.results import Result, compare
-from fissura.results.animation import animate
 from fissura.results.comparison_files import save_bodies
 from fissura.results.history import FILE, HistoryWriter
-from fissura.results.moments import plot_moments
 from small_pictures import save_small
 
 ROOT = Path(__file__).parents[1]

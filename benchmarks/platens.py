@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from common import Check, Report, changed, example, main, middle, options, say, shown, table
 from fissura import RunStopped, run
-from fissura.results.lettering import save
-from fissura.results.pictures import BLUE, INK, ORANGE, headline, tidy
+from fissura.pictures.curves import BLUE, INK, ORANGE, headline, tidy
+from fissura.pictures.lettering import save
 from specimens_figure import RESOLUTION, crack
 
 if TYPE_CHECKING:

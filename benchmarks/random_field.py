@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.special import log_ndtr, ndtri
 
-import fissura.structure as structure_module
+import fissura.simulation.discretization as structure_module
 from common import Check, Report, changed, cpu_time, example, main, measured, options, say, table
 from fissura.case import Field
 from fissura.material.field import MARGINALS, RandomField, covariance_named, marginal_named
@@ -215,7 +215,7 @@ def _picture(case: Any, result: Any) -> float:
     from pathlib import Path
 
     from fissura.material import field_from_case
-    from fissura.results.field_picture import plot_field
+    from fissura.pictures.field import plot_field
     from fissura.specimen import domain_from_case
 
     field = field_from_case(case)

@@ -14,9 +14,9 @@ from common import ROOT, changed, example, say
 from fissura.case import Field
 from fissura.material import field_from_case
 from fissura.material.field import marginal_named
-from fissura.results.field_picture import draw_marginal, draw_slice, plot_field
-from fissura.results.pictures import BLUE, INK, ORANGE, tidy
-from fissura.simulation import Simulation
+from fissura.pictures.curves import BLUE, INK, ORANGE, tidy
+from fissura.pictures.field import draw_marginal, draw_slice, plot_field
+from fissura.simulation.loop import Simulation
 from fissura.specimen import domain_from_case
 
 FOLDER = ROOT / "docs" / "images"

@@ -17,11 +17,11 @@ from pathlib import Path
 import fissura
 from common import ROOT, machine, say, table, write_section
 from fissura.case import case_from_dict
+from fissura.pictures.meshes import steps_with_states
 from fissura.reports.bodies import shown_steps, states_of
 from fissura.reports.libraries import k3d, plotly
 from fissura.reports.packed import packed_size
 from fissura.results import Result
-from fissura.results.meshes import steps_with_states
 
 #: Example, whether at full resolution, states that are recorded evenly.
 RUNS = [

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
-from fissura.results.pictures import BLUE, INK, ORANGE, headline, legend, tidy
+from fissura.pictures.curves import BLUE, INK, ORANGE, headline, legend, tidy
 
 FloatArray = NDArray[np.float64]
 

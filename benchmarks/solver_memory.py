@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fissura.equilibrium.symmetric import LINEAR_SOLVERS
+from fissura.linear.symmetric import LINEAR_SOLVERS
 
 #: Relative error of iterative solutions in the energy norm.
 TOLERANCE = 1e-6

@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 from broken_specimens import BRITTLE, CRACKED, OPEN, disc, template
 from common import ROOT, say
 from fissura import run
-from fissura.results.crack_picture import HEAT
-from fissura.results.lettering import save
-from fissura.results.pictures import INK, headline, tidy
+from fissura.pictures.crack import HEAT
+from fissura.pictures.curves import INK, headline, tidy
+from fissura.pictures.lettering import save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from fissura.step import Snapshot
+    from fissura.simulation.step import Snapshot
 
 FloatArray = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from common import Check, Report, main, options, say, shown, table
 from fissura.adaptivity import gauge_compliance
-from fissura.bulk import bulk_law
 from fissura.case import Case, case_from_dict
+from fissura.case.macroscopic import bulk_law
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System
 from fissura.material import material_from_case

@@ -16,8 +16,8 @@ from pathlib import Path
 
 from common import ROOT, table
 from fissura import load_case, run
+from fissura.progress.time_left import TimeLeft
 from fissura.results.done import Done
-from fissura.time_left import TimeLeft
 
 #: Recorded runs; those of the second group were not used to choose the constants.
 FITTED = (

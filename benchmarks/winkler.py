@@ -14,7 +14,7 @@ from typing import Any
 
 from common import Check, Report, Run, changed, difference, example, main, measured, options, say, shown, table
 from fissura import Case
-from fissura.bulk_tension import bulk_tension
+from fissura.elasticity.tension import bulk_tension
 from fissura.results.compare import compare_results
 from plane_stress import panel_stiffness
 from winkler_curves import LIGAMENT, NAME, Curve, inclination

@@ -10,9 +10,9 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from common import Run
-from fissura.results.crack_picture import HEAT
-from fissura.results.lettering import save
-from fissura.results.pictures import DPI, INK, headline, legend, tidy
+from fissura.pictures.crack import HEAT
+from fissura.pictures.curves import DPI, INK, headline, legend, tidy
+from fissura.pictures.lettering import save
 from specimens_figure import corners_of
 from winkler_curves import Curve, path
 

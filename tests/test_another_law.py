@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fissura import laws
-from fissura.case import case_from_dict
-from fissura.case.load import read_toml
+from fissura.case import case_from_dict, laws
 from fissura.contact import law_from_case
 from fissura.errors import InputError
+from fissura.files.tables import read_toml
 from fissura.material import Material, material_from_case
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 PAGE = (Path(__file__).parents[1] / "docs" / "laws.md").read_text(encoding="utf-8")
 
@@ -113,7 +112,7 @@ def test_case_of_the_page(softening, small_case, tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(table)
     data = small_case().model_dump(mode="json", exclude={"material"})
-    case = case_from_dict({**data, "material": read_toml(path)[1]["material"]})
+    case = case_from_dict({**data, "material": read_toml(path, "a case")[1]["material"]})
     assert law_from_case(case) is softening.Exponential
     assert material_from_case(case).parameters == softening.Parameters(shear=0.5)
     dumped = case.model_dump(mode="json", exclude={"source"})

@@ -153,7 +153,7 @@ def names(place: Path) -> Iterator[dict[str, Any]]:
 
 @pytest.mark.parametrize("module", modules())
 def test_examples_run(module: str, names: dict[str, Any], place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fissura.results.pyvista_tools import can_render
+    from fissura.pictures.pyvista_tools import can_render
 
     monkeypatch.chdir(place)
     source = importlib.import_module(module)

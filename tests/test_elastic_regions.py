@@ -11,7 +11,7 @@ from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System
 from fissura.errors import InputError
 from fissura.material import Material, Regions, elastic_from_case
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 MODULI = CONCRETE.E * np.array([1.0, CONCRETE.alpha, CONCRETE.alpha])
 

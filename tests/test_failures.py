@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 import fissura
-import fissura.advance
-import fissura.structure
+import fissura.simulation.advance
+import fissura.simulation.discretization
 from equilibrium.models import beam
-from fissura.equilibrium import SingularMatrixError, StepSolver
+from fissura.equilibrium import StepSolver
 from fissura.errors import InputError, RunStopped
-from fissura.simulation import Simulation
-from fissura.structure import Structure
+from fissura.linear import SingularMatrixError
+from fissura.simulation.discretization import Structure
+from fissura.simulation.loop import Simulation
 
 REFINING = {
     "discretization": {"l_f": 0.006, "l_c": 0.02},
@@ -79,7 +80,9 @@ def test_a_failing_solution_stops_the_run(name, monkeypatch):
 def test_a_failing_refinement_stops_the_run(name, monkeypatch):
     error, text = ERRORS[name]
     refined = next(s.number for s in undisturbed() if s.refinements)
-    Broken(monkeypatch, fissura.structure, "discretize", error, after=2)  # the start, and full resolution
+    Broken(
+        monkeypatch, fissura.simulation.discretization, "discretize", error, after=2
+    )  # the start, and full resolution
     kept, stop = stopped(text)
     assert stop.step == refined
     assert len(kept) == refined - 1
@@ -101,7 +104,7 @@ def test_all_steps_before_a_failure_are_saved(tmp_path, monkeypatch):
 @every_error
 def test_a_failing_start_refuses_the_case_or_stops(name, monkeypatch):
     error, text = ERRORS[name]
-    Broken(monkeypatch, fissura.structure, "gauge_compliance", error)
+    Broken(monkeypatch, fissura.simulation.discretization, "gauge_compliance", error)
     kind = InputError if isinstance(error, (InputError, SingularMatrixError)) else RunStopped
     with pytest.raises(kind, match=text):
         next(Simulation(beam(**REFINING)).steps())
@@ -123,7 +126,9 @@ def giving_up(monkeypatch):
     monkeypatch.setattr("fissura.adaptivity.coarsening._FEWEST", 1)
     monkeypatch.setattr("fissura.adaptivity.coarsening._SAVING", 0.0)
     monkeypatch.setattr(
-        fissura.structure, "needed_bodies", lambda tessellation, *rest: np.zeros(len(tessellation), bool)
+        fissura.simulation.discretization,
+        "needed_bodies",
+        lambda tessellation, *rest: np.zeros(len(tessellation), bool),
     )
 
 
@@ -143,7 +148,12 @@ def fail_in_coarsening(where, error, monkeypatch):
 
     def failing(self, *args):
         with monkeypatch.context() as inside:
-            Broken(inside, fissura.structure if where == "discretize" else fissura.advance, where, error)
+            Broken(
+                inside,
+                fissura.simulation.discretization if where == "discretize" else fissura.simulation.advance,
+                where,
+                error,
+            )
             return original(self, *args)
 
     monkeypatch.setattr(Structure, "coarsen", failing)

@@ -5,11 +5,11 @@ import pytest
 
 import fissura
 from equilibrium.models import CONCRETE, beam
-from fissura.checking import check
+from fissura.api.check import check
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System
 from fissura.errors import InputError
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import tessellate
 

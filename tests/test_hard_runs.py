@@ -3,7 +3,7 @@
 import pytest
 
 from equilibrium.models import beam
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 #: A cube of about 75 bodies, pressed by a bare plate.
 CUBE = {

@@ -12,9 +12,9 @@ from fissura.contact import CusatisCedolin, limits_from_case
 from fissura.equilibrium import System, settle
 from fissura.errors import InputError
 from fissura.material import Material, Materials, Regions, joined, material_from_case, materials_from_case
-from fissura.simulation import Simulation
+from fissura.simulation.discretization import Structure
+from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
-from fissura.structure import Structure
 from fissura.tessellation import tessellate
 
 LENGTH, SIDE = 0.1, 0.03

@@ -62,7 +62,7 @@ def test_last_digits_are_no_difference(script: ModuleType) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_notebooks_run_and_show_what_they_say(name: str, script: ModuleType) -> None:
-    from fissura.results.pyvista_tools import can_render
+    from fissura.pictures.pyvista_tools import can_render
 
     if not can_render():
         pytest.skip("nothing can be drawn here")

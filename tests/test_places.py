@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 import fissura
-from fissura.checking import check
+from fissura.api.check import check
 from fissura.errors import InputError
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 #: Thinner than platens are wide.
 THIN_BEAM = {

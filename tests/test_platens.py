@@ -7,9 +7,9 @@ from numpy.testing import assert_allclose
 from fissura.case import case_from_dict
 from fissura.equilibrium import settle
 from fissura.errors import InputError
-from fissura.simulation import Simulation
+from fissura.simulation.discretization import Structure
+from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
-from fissura.structure import Structure
 
 E, SIDE, HEIGHT = 30e9, 0.04, 0.06
 

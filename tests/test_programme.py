@@ -9,12 +9,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from conftest import small_beam
+from fissura.api.check import check
 from fissura.case import case_from_dict
-from fissura.checking import check
 from fissura.equilibrium import settle
 from fissura.errors import InputError, RunStopped
-from fissura.simulation import Simulation
-from fissura.structure import Structure
+from fissura.simulation.discretization import Structure
+from fissura.simulation.loop import Simulation
 
 A, B = {"face": "top", "at": 0.04}, {"face": "top", "at": 0.07}
 TWO = {"control": None, "load": None, "loads": {"a": A, "b": B}}

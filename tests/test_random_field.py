@@ -8,11 +8,11 @@ import pytest
 
 from equilibrium.models import beam
 from fissura import run
-from fissura.checking import check
+from fissura.api.check import check
 from fissura.errors import InputError, RunStopped
 from fissura.results.state import read_state
 from fissura.results.vtk import bodies_grid, contacts_grid
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 REFINING = {"discretization": {"l_f": 0.006, "l_c": 0.02}, "adaptivity": {"r_f": 0.012}}
 FIELD = {"length": 0.015, "seed": 6}

@@ -116,7 +116,7 @@ def test_a_stopped_run_tries_the_step_again(tmp_path, no_pictures, monkeypatch):
     case = build("refinement")
     fissura.run(case, output=tmp_path / "run")
     with monkeypatch.context() as inside:
-        inside.setattr("fissura.structure.Structure.refine", partial(_fails, MemoryError()))
+        inside.setattr("fissura.simulation.discretization.Structure.refine", partial(_fails, MemoryError()))
         with pytest.raises(RunStopped):
             fissura.run(case, output=tmp_path / "again")
     assert summary(tmp_path / "again")["status"] == "stopped"
@@ -310,9 +310,11 @@ def test_full_resolution_is_refused(ended):
 
 
 def test_another_specimen_is_refused(ended, monkeypatch):
-    nuclei = fissura.structure.nuclei_from_case
+    nuclei = fissura.simulation.discretization.nuclei_from_case
     monkeypatch.setattr(
-        fissura.structure, "nuclei_from_case", lambda case, domain: nuclei(case.model_copy(update={"seed": 9}), domain)
+        fissura.simulation.discretization,
+        "nuclei_from_case",
+        lambda case, domain: nuclei(case.model_copy(update={"seed": 9}), domain),
     )
     assert "the specimen is not the one of the checkpoint" in refused(ended).problem
 

@@ -3,7 +3,7 @@
 import pytest
 
 from equilibrium.models import beam
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 
 def peak(target, **changes):

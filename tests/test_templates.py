@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fissura.case import load_case
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 FOLDER = Path(str(files("fissura") / "templates"))
 

@@ -8,8 +8,9 @@ from scipy.sparse import csr_array
 
 from equilibrium.models import CONCRETE, affine, beam, beam_system, block, half_fine, random_rotation, random_symmetric
 from fissura.contact import CusatisCedolin, body_stress, contact_strains, kinematics, nodal_forces
-from fissura.equilibrium import System, best_solver
-from fissura.equilibrium.assembly import assemble, pattern
+from fissura.equilibrium import System
+from fissura.linear import best_solver
+from fissura.linear.assembly import assemble, pattern
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.specimen.notches import Slot
 

@@ -7,7 +7,7 @@ import pytest
 
 from fissura.case import load_case
 from fissura.results.measured import read_measured
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "winkler_lpanel.toml"
 

@@ -20,9 +20,9 @@ from predicted import LINE, MEAN, Predicted
 
 from common import ROOT, Check, Report, example, main, options, shown, table
 from fissura import Case
-from fissura.bulk_tension import bulk_tension
-from fissura.results.lettering import save
-from fissura.results.pictures import DPI, INK, headline, tidy
+from fissura.elasticity.tension import bulk_tension
+from fissura.pictures.curves import DPI, INK, headline, tidy
+from fissura.pictures.lettering import save
 
 FloatArray = NDArray[np.float64]
 

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 import fissura
 from common import ROOT, Check, Report, main, options, say, table
+from fissura.batch.processes import computed
 from fissura.calibration.observed import Observed, at_points, observed
 from fissura.calibration.problem import Problem, Test, Unknown
 from fissura.calibration.search import search
@@ -30,11 +31,10 @@ from fissura.calibration.surrogate import Samples
 from fissura.case import Case, case_from_dict
 from fissura.ensemble.outcome import compute
 from fissura.ensemble.planning import planned
-from fissura.processes import computed
+from fissura.machine.threads import threads_each
 from fissura.results.curve_writer import CurveWriter
+from fissura.results.load_path import LoadPath
 from fissura.results.measured import MeasuredBand
-from fissura.results.path import LoadPath
-from fissura.threads import threads_each
 
 F_T, G_T = "material.f_t", "material.G_t"
 TRUE = {F_T: 2.8e6, G_T: 50.0}

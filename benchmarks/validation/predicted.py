@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from common import say
 from fissura import Case, EnsembleResult, run_ensemble
+from fissura.pictures.curves import INK, headline, legend, tidy
 from fissura.results.curve import read_curve
-from fissura.results.pictures import INK, headline, legend, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,10 +15,10 @@ from size_beams import DEPTHS, NOTCHES, TAIL, WORK
 
 from common import shown, table
 from fissura import Case
-from fissura.bulk import bulk_law
-from fissura.bulk_tension import bulk_tension
-from fissura.results.lettering import save
-from fissura.results.pictures import DPI, INK, headline, legend, tidy
+from fissura.case.macroscopic import bulk_law
+from fissura.elasticity.tension import bulk_tension
+from fissura.pictures.curves import DPI, INK, headline, legend, tidy
+from fissura.pictures.lettering import save
 
 
 def of(rows: Iterable[dict[str, Any]], kind: str, depth: int, notch: float) -> list[dict[str, Any]]:

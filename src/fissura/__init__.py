@@ -9,20 +9,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fissura.api import run
+    from fissura.api.check import CheckReport, check
+    from fissura.api.pages import report
+    from fissura.api.run import run
     from fissura.calibration.result import Calibration
     from fissura.calibration.runner import calibrate
     from fissura.case import Case, case_from_dict, load_case
-    from fissura.checking import CheckReport, check
     from fissura.ensemble.result import EnsembleResult
     from fissura.ensemble.runner import run_ensemble
     from fissura.ensemble.sweep import sweep
     from fissura.errors import InputError, RunStopped
-    from fissura.pages import report
     from fissura.results import Result
     from fissura.results.compare import compare
     from fissura.results.comparison import Comparison
-    from fissura.simulation import Simulation
+    from fissura.simulation.loop import Simulation
 
     __version__: str
 
@@ -51,20 +51,20 @@ __all__ = [
 _HOME = {
     "Calibration": "fissura.calibration.result",
     "Case": "fissura.case",
-    "CheckReport": "fissura.checking",
+    "CheckReport": "fissura.api.check",
     "Comparison": "fissura.results",
     "EnsembleResult": "fissura.ensemble.result",
     "InputError": "fissura.errors",
     "Result": "fissura.results",
     "RunStopped": "fissura.errors",
-    "Simulation": "fissura.simulation",
+    "Simulation": "fissura.simulation.loop",
     "case_from_dict": "fissura.case",
-    "check": "fissura.checking",
+    "check": "fissura.api.check",
     "compare": "fissura.results",
     "calibrate": "fissura.calibration.runner",
     "load_case": "fissura.case",
-    "report": "fissura.pages",
-    "run": "fissura.api",
+    "report": "fissura.api.pages",
+    "run": "fissura.api.run",
     "run_ensemble": "fissura.ensemble.runner",
     "sweep": "fissura.ensemble.sweep",
 }

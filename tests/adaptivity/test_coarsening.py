@@ -11,7 +11,7 @@ from numpy.testing import assert_array_equal
 from equilibrium.models import CONCRETE
 from fissura.adaptivity import Coarsening, RefinedRegion, needed_bodies
 from fissura.contact import CusatisCedolin
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 from fissura.specimen import domain_from_case
 from fissura.tessellation import discretize, nuclei_from_case
 

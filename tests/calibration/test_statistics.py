@@ -15,8 +15,8 @@ from fissura.calibration.surrogate import Samples, Surrogate, fitted
 from fissura.calibration.uncertainty import uncertainty
 from fissura.case import Case, load_case
 from fissura.errors import InputError
+from fissura.results.load_path import LoadPath
 from fissura.results.measured import MeasuredBand
-from fissura.results.path import LoadPath
 
 N = 30
 

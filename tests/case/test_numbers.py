@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fissura import Case, InputError
-from fissura.api import with_seed
+from fissura.api.run import with_seed
 from fissura.case.types import whole
 from fissura.ensemble.plan import Plan
 

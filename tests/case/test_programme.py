@@ -3,10 +3,10 @@
 import pytest
 
 from conftest import small_beam
+from fissura.api.stages import stages_in_words
 from fissura.case.plausible import case_notices
 from fissura.errors import InputError
-from fissura.simulation import Simulation
-from fissura.stages_told import stages_in_words
+from fissura.simulation.loop import Simulation
 
 A, B = {"face": "top", "at": 0.04}, {"face": "top", "at": 0.07}
 TWO = {"load": None, "loads": {"left": A, "right": B}}

@@ -26,8 +26,8 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def fake(monkeypatch: pytest.MonkeyPatch) -> type[FakeSimulation]:
     """Nothing is computed."""
     simulation = type("Simulation", (FakeSimulation,), {"built": []})
-    module = ModuleType("fissura.simulation")
+    module = ModuleType("fissura.simulation.loop")
     module.Simulation = simulation  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "fissura.simulation", module)
+    monkeypatch.setitem(sys.modules, "fissura.simulation.loop", module)
     monkeypatch.setattr(fissura.results.recorder, "Recorder", type("Recorder", (FakeRecorder,), {}))
     return simulation

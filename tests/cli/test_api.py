@@ -12,11 +12,11 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from fissura import api
+from fissura.api import run as api
 from fissura.case import load_case
 from fissura.errors import InputError, RunStopped
-from fissura.progress import RunProgress, duration
-from fissura.results.quantities import force
+from fissura.progress.live import RunProgress, duration
+from fissura.text.quantities import force
 
 from .fakes import TINY, FakeSimulation
 
@@ -97,7 +97,7 @@ def notebook(monkeypatch: pytest.MonkeyPatch) -> FakeDisplay:
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace())
     monkeypatch.setitem(sys.modules, "IPython.display", shown)
     monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
-    monkeypatch.setattr("fissura.lines.time.monotonic", lambda: float(next(seconds)))
+    monkeypatch.setattr("fissura.progress.lines.time.monotonic", lambda: float(next(seconds)))
     return shown
 
 

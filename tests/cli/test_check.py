@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fissura import memory
+from fissura.api.check import check
 from fissura.case import Case, load_case
-from fissura.checking import check
 from fissura.errors import InputError
-from fissura.results.quantities import energy
+from fissura.simulation import memory
+from fissura.text.quantities import energy
 
 from .fakes import EXAMPLE, TINY, FakeSimulation, call
 
@@ -84,7 +84,7 @@ def test_nuclei_of_a_file_need_memory_too(tmp_path: Path, monkeypatch: pytest.Mo
 @pytest.mark.parametrize(
     ("place", "key"),
     [
-        ("fissura.simulation.Structure", "discretization.l_f"),
+        ("fissura.simulation.loop.Structure", "discretization.l_f"),
         ("fissura.material.field.field._expanded", "field.length"),
     ],
 )

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from fissura.checking import check
+from fissura.api.check import check
 from fissura.results import Result
 
 from .fakes import TINY, FakeSimulation, call

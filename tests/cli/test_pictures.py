@@ -77,7 +77,7 @@ def test_pictures_of_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
     folder = tmp_path / "run"
     record(folder)
-    monkeypatch.setattr("fissura.results.moments.DPI", 60)
+    monkeypatch.setattr("fissura.pictures.moments.DPI", 60)
     done = call("moments", folder)
     assert (done.exit_code, done.stdout) == (0, f"picture: {folder / 'moments.png'}\n")
     done = call("animate", folder, "--size", "320", "--fps", "5")

@@ -16,7 +16,7 @@ import pytest
 
 import fissura.results.recorder
 from fissura.results import read_curve
-from fissura.results.quantities import force
+from fissura.text.quantities import force
 from sameness import assert_same
 
 from .fakes import TINY, call

@@ -14,8 +14,8 @@ import pytest
 
 from fissura.case import Case, case_from_dict, load_case
 from fissura.errors import RunStopped
-from fissura.folder import Folder
-from fissura.results.quantities import force, length
+from fissura.files.folder import Folder
+from fissura.text.quantities import force, length
 
 from .fakes import TINY, FakeSimulation, call, recorder
 

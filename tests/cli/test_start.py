@@ -64,7 +64,7 @@ print(sorted({"numpy", "scipy", "numba", "pydantic", "matplotlib", "dask"} & set
 print(sorted(name for name in sys.modules if name.startswith("fissura.") and not name.startswith("fissura.cli")))
 """
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.splitlines() == ["[]", "['fissura.errors', 'fissura.interrupts']"]
+    assert found.stdout.splitlines() == ["[]", "['fissura.errors', 'fissura.machine', 'fissura.machine.interrupts']"]
 
 
 def imports(path: Path) -> Iterator[tuple[str, str]]:

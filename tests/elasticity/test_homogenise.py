@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from equilibrium.models import random_rotation
-from fissura.bulk import voigt
+from fissura.case.macroscopic import voigt
 from fissura.elasticity.homogenise import Homogenisation
 from fissura.elasticity.stiffness import PAIRS, Isotropic, anisotropy, isotropic_part, unit_strains
 from fissura.tessellation.periodic import PeriodicCell
@@ -117,7 +117,7 @@ def test_size_of_bodies_does_not_matter(structure):
 
 def test_bulk_law_against_fresh_structures():
     """Table of the package, made of other structures, within the scatter of a few cells."""
-    from fissura.bulk import bulk_law
+    from fissura.case.macroscopic import bulk_law
 
     cells = [Homogenisation(PeriodicCell.placed(8.0, 1.0, np.random.default_rng(seed))) for seed in range(90, 96)]
     for alpha in (0.02, 0.1, 0.29, 0.62):

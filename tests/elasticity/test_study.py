@@ -8,7 +8,7 @@ import pytest
 from fissura.elasticity import request
 from fissura.elasticity.specimen import Prism, prism_case
 from fissura.elasticity.study import KINDS, LayerFit, Row, Study, spread, structure_seeds, study
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 
 @pytest.fixture(scope="module")

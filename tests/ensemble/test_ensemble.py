@@ -30,10 +30,10 @@ from fissura.ensemble.progress import EnsembleProgress
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.runner import run_ensemble
 from fissura.ensemble.store import Store
-from fissura.equilibrium.team import Team
 from fissura.errors import EnsembleStopped, InputError
+from fissura.machine.kernel_threads import Team
+from fissura.machine.threads import VARIABLE
 from fissura.results.curve import read_curve
-from fissura.threads import VARIABLE
 
 Build = Callable[..., Case]
 
@@ -305,7 +305,7 @@ def test_fewer_workers_where_memory_is_short(tiny: Build, monkeypatch: pytest.Mo
 
 def test_progress_estimates_the_time_left(tiny: Build, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
-    monkeypatch.setattr("fissura.progress.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("fissura.progress.live.time.monotonic", lambda: now[0])
     console = Console(width=200, record=True, file=open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     with EnsembleProgress(console) as progress:
         progress.start(Plan(tiny(), 9), 8, 2)

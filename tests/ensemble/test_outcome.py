@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fissura import Result, api, run
+from fissura import Result, run
+from fissura.api import run as api
 from fissura.case import Case
 from fissura.ensemble.outcome import CrackStart, Outcome, compute
 from fissura.ensemble.plan import Plan

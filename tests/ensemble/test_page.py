@@ -165,7 +165,7 @@ def test_a_run_that_cannot_be_read(folder: Path, tmp_path: Path, caplog: pytest.
     for path in copy.folder.glob("*/*/report.html"):
         path.unlink()
     told: list[tuple[int, int]] = []
-    from fissura.pages import _runs
+    from fissura.api.pages import _runs
 
     _runs(copy, lambda done, count: told.append((done, count)))
     assert "run 0002 has no page" in caplog.text

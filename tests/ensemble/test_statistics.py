@@ -17,7 +17,7 @@ from fissura.ensemble.convergence import convergence, cov_interval
 from fissura.ensemble.distributions import FAMILIES, GAUSSIAN, WEIBULL, Family, fit, median_ranks
 from fissura.ensemble.statistics import statistics
 from fissura.ensemble.table import table
-from fissura.results.path import LoadPath
+from fissura.results.load_path import LoadPath
 
 FloatArray = NDArray[np.float64]
 

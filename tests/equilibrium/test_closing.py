@@ -9,7 +9,7 @@ from equilibrium.models import CONCRETE, beam
 from fissura.contact import ClosingCusatisCedolin, CusatisCedolin
 from fissura.equilibrium import StepSolver, System, prescribed, settle
 from fissura.material import Material
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import discretize, nuclei_from_case, tessellate
 

@@ -9,8 +9,9 @@ import pytest
 from equilibrium.models import BEAM, CONCRETE, beam, beam_system, changed, half_fine
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
-from fissura.equilibrium import SingularMatrixError, StepSolver, System, prescribed, settle
+from fissura.equilibrium import StepSolver, System, prescribed, settle
 from fissura.equilibrium.constraint import Constraint
+from fissura.linear import SingularMatrixError
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import tessellate
 

@@ -14,7 +14,7 @@ from fissura.contact import CusatisCedolin
 from fissura.equilibrium import PathFollower, System
 from fissura.errors import RunStopped
 from fissura.material import Material
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import tessellate
 

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from fissura.case import case_from_dict
 from fissura.equilibrium.attach import owners_of
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
 
 from .models import BEAM, beam, beam_system, changed

@@ -8,7 +8,7 @@ import pytest
 from equilibrium.models import beam, simple_leg
 from fissura.equilibrium import Goal, PathFollower, System
 from fissura.equilibrium.newton import settle
-from fissura.structure import Structure
+from fissura.simulation.discretization import Structure
 
 LONG = {"target": 1e-2}  # steps of 200 um at most, 50 um at first, 0.1 um at least
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from equilibrium.models import beam, beam_system
-from fissura.equilibrium import SingularMatrixError, StepSolver, best_solver, prescribed, settle, tangent
+from fissura.equilibrium import StepSolver, prescribed, settle, tangent
 from fissura.equilibrium.constraint import Constraint
 from fissura.equilibrium.tangent import TangentSolver
+from fissura.linear import SingularMatrixError, best_solver
 
 CASE = beam(discretization={"l_f": 0.006, "l_c": 0.012})
 VALUE = 6e-6

@@ -8,9 +8,9 @@ from scipy.sparse import csr_array
 
 from equilibrium.models import beam, beam_system
 from fissura.adaptivity import RefinedRegion
-from fissura.equilibrium import best_solver
-from fissura.equilibrium.assembly import assemble, pattern
-from fissura.equilibrium.two_level import TwoLevel
+from fissura.linear import best_solver
+from fissura.linear.assembly import assemble, pattern
+from fissura.linear.two_level import TwoLevel
 
 
 def cantilever(length, depth, l_f, **changes):

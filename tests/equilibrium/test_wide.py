@@ -5,11 +5,12 @@ import pytest
 from scipy.sparse import csr_array
 
 from equilibrium.models import beam, beam_system
-from fissura.equilibrium import SOLVERS, SingularMatrixError, settle
+from fissura.equilibrium import settle
 from fissura.equilibrium import system as module
-from fissura.equilibrium.blocks import held_bodies
-from fissura.equilibrium.low_rank import LowRank
-from fissura.equilibrium.two_level import TwoLevel
+from fissura.linear import SOLVERS, SingularMatrixError
+from fissura.linear.blocks import held_bodies
+from fissura.linear.low_rank import LowRank
+from fissura.linear.two_level import TwoLevel
 
 BAR = {
     "specimen": {"size": [0.1, 0.05, 0.04]},
@@ -143,6 +144,6 @@ def test_what_scipy_does_not_solve_is_a_singular_matrix(monkeypatch):
     def refuse(matrix):
         raise ValueError("array must not contain infs or NaNs")
 
-    monkeypatch.setattr("fissura.equilibrium.woodbury.lu_factor", refuse)
+    monkeypatch.setattr("fissura.linear.woodbury.lu_factor", refuse)
     with pytest.raises(SingularMatrixError, match="infs or NaNs"):
         SOLVERS["superlu"](system.pattern).factor(secant(system), symmetric=True)

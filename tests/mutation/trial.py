@@ -24,11 +24,11 @@ from typing import Any
 from unittest import mock
 
 from fissura import Case, InputError, RunStopped
+from fissura.api.check import check
 from fissura.case import load_case
 from fissura.case.units import show
-from fissura.checking import check
-from fissura.memory import estimate_bodies, require_memory
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
+from fissura.simulation.memory import estimate_bodies, require_memory
 from fissura.study.plan import Plan, load_plan
 
 from .files import BAR, BEAM, PLATE, STUDY, base_files, npy

@@ -127,7 +127,7 @@ def test_values_are_those_of_the_common_quantity():
 
 
 def test_pictures_are_over_the_common_quantity(tmp_path, monkeypatch):
-    from fissura.results import pictures
+    from fissura.pictures import curves as pictures
 
     figures = []
     monkeypatch.setattr(pictures.Figure, "savefig", lambda figure, *_, **__: figures.append(figure))

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fissura.checking import CheckReport
+from fissura.api.check import CheckReport
 from fissura.errors import InputError
+from fissura.pictures.plotting import column_named, split_unit
 from fissura.results import Recorder, Result, compare, dataframe
-from fissura.results.plotting import column_named, split_unit
 
 from .synthetic import simulation, steps
 
@@ -222,5 +222,5 @@ def test_page_without_steps_or_with_a_picture_that_fails(result: Result, monkeyp
     def fails(result: Result) -> Any:
         raise InputError("output.measured", "is missing")
 
-    monkeypatch.setattr("fissura.results.html.curve_figure", fails)
+    monkeypatch.setattr("fissura.pictures.html.curve_figure", fails)
     assert "img" not in Page(result._repr_html_()).tags

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from conftest import small_beam
+from fissura.results.load_path import LoadPath
 from fissura.results.names import driven_in, load_name, value_axis
-from fissura.results.path import LoadPath
 from fissura.results.summary import _pushes
 
 A, B = {"face": "top", "at": 0.04}, {"face": "top", "at": 0.07}

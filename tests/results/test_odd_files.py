@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
+from fissura.files.archive import write_archive
 from fissura.results import Result
-from fissura.results.archive import write_archive
 from fissura.results.history import FILE, read_history
 from fissura.results.history import FORMAT as SECTION
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from fissura.pictures.moments import moments
 from fissura.results import Recorder, compare_results
-from fissura.results.moments import moments
 from fissura.results.peak import negative_before_peak, peak_position
 
 from .synthetic import simulation, steps

@@ -11,7 +11,7 @@ import pytest
 import fissura.results.curve as curve_module
 import fissura.results.recorder as recorder_module
 from fissura.errors import InputError
-from fissura.interrupts import interruptible
+from fissura.machine.interrupts import interruptible
 from fissura.results import Recorder, Result, read_curve
 
 from .synthetic import simulation, snapping, steps
@@ -202,8 +202,8 @@ def test_no_picture_ends_a_run(tmp_path, monkeypatch, caplog, error):
     def fail(*_):
         raise error
 
-    monkeypatch.setattr("fissura.results.crack_picture.plot_crack", fail)
-    monkeypatch.setattr("fissura.results.pictures.plot_curve", fail)
+    monkeypatch.setattr("fissura.pictures.crack.plot_crack", fail)
+    monkeypatch.setattr("fissura.pictures.curves.plot_curve", fail)
     result = record(tmp_path)
     assert result.summary["status"] == Result.load(tmp_path).summary["status"] == "finished"
     for name in ("crack.png", "curve.png"):
@@ -214,7 +214,7 @@ def test_an_interruption_while_pictures_are_drawn_keeps_everything_else(tmp_path
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("fissura.results.crack_picture.plot_crack", interrupt)
+    monkeypatch.setattr("fissura.pictures.crack.plot_crack", interrupt)
     with pytest.raises(KeyboardInterrupt) as caught:
         record(tmp_path)
     assert caught.value.result.steps == 10

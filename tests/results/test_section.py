@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fissura.results.section import ON_LEDGE, cut, outlines
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 
 from .synthetic import random_points, stack, voronoi_structure
 

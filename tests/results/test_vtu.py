@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 import pyvista
 
-from fissura.results.compression import SAMPLE, level
+from fissura.files.compression import SAMPLE, level
 from fissura.results.vtu import BLOCK, POLYGON, Grid, write_vtu
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from fissura.case import case_from_dict
 from fissura.errors import InputError
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case, gauge_notices
 
 UP, DOWN = [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]

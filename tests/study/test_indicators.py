@@ -6,7 +6,7 @@ import pytest
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
 from fissura.material import material_from_case
-from fissura.simulation import Simulation
+from fissura.simulation.loop import Simulation
 from fissura.study.indicators import OBSERVED, Observer
 
 from .models import CASE

@@ -13,13 +13,13 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from fissura.cli import app
-from fissura.equilibrium.team import Team
 from fissura.errors import InputError
+from fissura.machine.kernel_threads import Team
+from fissura.machine.threads import VARIABLE
 from fissura.study import load_plan, plan_from_dict, run_study, write_outcome
 from fissura.study.plan import FULL
 from fissura.study.progress import StudyProgress
 from fissura.study.record import Record
-from fissura.threads import VARIABLE
 
 from .models import STUDY, write_study
 
@@ -133,7 +133,7 @@ def test_an_interrupted_study_goes_on(tmp_path, caplog):
 
 
 def test_an_unexpected_error_fails_one_run_only(tmp_path, monkeypatch):
-    module = import_module("fissura.simulation")
+    module = import_module("fissura.simulation.loop")
 
     class Broken(module.Simulation):
         def steps(self):
@@ -266,7 +266,7 @@ def test_command_shows_how_far_it_is(tmp_path, monkeypatch):
 @pytest.mark.parametrize("terminal", [False, True])
 def test_progress_estimates_the_time_left(study, monkeypatch, terminal):
     now, plan = [100.0], load_plan(study)
-    monkeypatch.setattr("fissura.progress.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("fissura.progress.live.time.monotonic", lambda: now[0])
     console = Console(width=200, record=True, file=io.StringIO(), force_terminal=terminal)
     tasks = list(plan.tasks())
     with StudyProgress(console) as progress:

@@ -276,10 +276,10 @@ def test_nuclei_of_another_run_are_all_used(tmp_path, small_case, notch):
 
 
 def test_counts_in_check_and_summary(tmp_path, small_case):
-    from fissura.checking import check
+    from fissura.api.check import check
     from fissura.results.curve import columns
     from fissura.results.summary import build_summary
-    from fissura.simulation import Simulation
+    from fissura.simulation.loop import Simulation
 
     first = placed(small_case(notch=None)).x
     case = saved(tmp_path, small_case, first[::2], notch=None, control__target=1e-5)

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from fissura.calibration.problem import Test
 from fissura.errors import InputError
+from fissura.results.load_path import LoadPath
 from fissura.results.measured import MeasuredBand
-from fissura.results.path import LoadPath
 
 __all__ = ["POINTS", "Observed", "at_points", "observed"]
 

@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fissura.pictures.curves import BLUE, LIGHT, ORANGE, fill_measured, gauge_unit, headline, legend, load_unit, tidy
+from fissura.results.load_path import NAMES
 from fissura.results.measured import MeasuredBand
-from fissura.results.path import NAMES
-from fissura.results.pictures import BLUE, LIGHT, ORANGE, fill_measured, gauge_unit, headline, legend, load_unit, tidy
 
 if TYPE_CHECKING:
     from fissura.calibration.result import Calibration, Fit

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from fissura.calibration.problem import Problem
-from fissura.progress import ManyProgress, duration
-from fissura.results.quantities import force
+from fissura.progress.live import ManyProgress, duration
+from fissura.text.quantities import force
 
 __all__ = ["CalibrationProgress"]
 

@@ -6,10 +6,10 @@ import base64
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from fissura.files import write_atomically
-from fissura.results.attempted import attempted
-from fissura.results.lettering import rendered
-from fissura.results.pictures import DPI
+from fissura.files.atomic import write_atomically
+from fissura.pictures.attempted import attempted
+from fissura.pictures.curves import DPI
+from fissura.pictures.lettering import rendered
 from fissura.results.provenance import versions
 
 if TYPE_CHECKING:

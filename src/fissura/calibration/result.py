@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.case.load import read_json
 from fissura.errors import InputError
-from fissura.folder import copied
-from fissura.results.quantities import per_cent
-from fissura.rows import aligned
+from fissura.files.folder import copied
+from fissura.files.tables import read_json
+from fissura.text.quantities import per_cent
+from fissura.text.rows import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -345,7 +345,7 @@ class Calibration:
         >>> ax = found.plot()
         """
         from fissura.calibration.picture import draw_fit
-        from fissura.results.plotting import new_axes
+        from fissura.pictures.plotting import new_axes
 
         known = {fit.name: fit for fit in self.fits}
         if test is not None and test not in known:
@@ -356,8 +356,8 @@ class Calibration:
 
     def _repr_html_(self) -> str:
         from fissura.calibration.picture import plot_calibration
-        from fissura.results.attempted import attempted
-        from fissura.results.html import embedded, notebook_html
+        from fissura.pictures.attempted import attempted
+        from fissura.pictures.html import embedded, notebook_html
 
         picture = attempted("the curves", lambda: embedded(plot_calibration(self), f"curves of {self.name}"))
         return notebook_html([*self.table(), ("results", str(self.folder))], self.warnings, picture)

@@ -30,9 +30,9 @@ from fissura.case.report import input_error
 from fissura.case.units import show
 from fissura.ensemble.cluster import require_packages
 from fissura.errors import InputError
-from fissura.files import write_json
-from fissura.folder import Folder, prepare_folder
-from fissura.lock import locked
+from fissura.files.atomic import write_json
+from fissura.files.folder import Folder, prepare_folder
+from fissura.files.lock import locked
 from fissura.results.provenance import versions
 from fissura.results.summary import FORMAT_VERSION, read_summary
 
@@ -297,7 +297,7 @@ def _write(result: Calibration, problem: Problem, request: Request) -> None:
     """Write what was found."""
     from fissura.calibration.report import write_report
     from fissura.calibration.written import case_text, files_of
-    from fissura.files import write_atomically
+    from fissura.files.atomic import write_atomically
 
     data = read_summary(result.folder / "calibration.json")
     write_json(result.folder / "calibration.json", {**data, "versions": versions(), "result": result.as_dict()})

@@ -18,9 +18,9 @@ from fissura.ensemble.planning import planned
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.runner import run_plan
 from fissura.errors import InputError
-from fissura.folder import Folder
+from fissura.files.folder import Folder
 from fissura.results.curve import COLUMN_OF, read_curve
-from fissura.results.path import LoadPath
+from fissura.results.load_path import LoadPath
 from fissura.results.summary import read_summary
 
 if TYPE_CHECKING:

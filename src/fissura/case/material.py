@@ -20,7 +20,8 @@ from pydantic import (
     model_validator,
 )
 
-from fissura.bulk import bulk_law
+from fissura.case.laws import parameters_of
+from fissura.case.macroscopic import bulk_law
 from fissura.case.part import Part
 from fissura.case.region import Region
 from fissura.case.types import (
@@ -43,7 +44,6 @@ from fissura.case.types import (
 )
 from fissura.case.units import ENERGY_PER_AREA, STRESS, told
 from fissura.errors import InputError
-from fissura.laws import parameters_of
 
 __all__ = ["Macro", "Material"]
 

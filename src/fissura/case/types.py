@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ValidationInfo
 
-from fissura.bulk import bulk_law
 from fissura.case.accepted import NUMBER_WITH_UNIT, accepting, one_or_list
+from fissura.case.macroscopic import bulk_law
 from fissura.case.ranges import (
     BULK_MODULI,
     COORDINATES,

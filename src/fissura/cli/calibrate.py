@@ -12,7 +12,7 @@ from rich.console import Console
 from fissura.cli.console import errors, print_table, say, warnings
 from fissura.cli.options import FullOption, OverwriteOption, QuietOption
 from fissura.cli.resuming import Resumable
-from fissura.interrupts import interruptible
+from fissura.machine.interrupts import interruptible
 
 __all__ = ["calibrate"]
 

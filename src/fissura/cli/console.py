@@ -226,7 +226,7 @@ def print_table(rows: Sequence[tuple[str, str]], title: str = "") -> None:
     """Print rows of name and value: a table in a terminal, plain lines elsewhere."""
     console = Console()
     if not console.is_terminal:
-        from fissura.rows import aligned
+        from fissura.text.rows import aligned
 
         for line in aligned(rows):
             typer.echo(line)

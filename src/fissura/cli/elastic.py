@@ -102,7 +102,7 @@ def _study(
 
     from fissura.elasticity import request
     from fissura.elasticity.study import structure_seeds, study
-    from fissura.folder import prepare_folder
+    from fissura.files.folder import prepare_folder
 
     folder = prepare_folder(output, "elastic", overwrite=overwrite)
     console = Console(stderr=True)

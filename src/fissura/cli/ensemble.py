@@ -13,7 +13,7 @@ from rich.console import Console
 from fissura.cli.console import STOPPED, errors, print_table, say, warnings
 from fissura.cli.options import CaseArgument, FullOption, OverwriteOption, QuietOption
 from fissura.cli.resuming import Resumable
-from fissura.interrupts import interruptible
+from fissura.machine.interrupts import interruptible
 
 __all__ = ["ensemble"]
 

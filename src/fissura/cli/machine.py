@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from fissura.checking import CheckReport
+    from fissura.api.check import CheckReport
     from fissura.errors import Notice
     from fissura.results.comparison import Comparison
 

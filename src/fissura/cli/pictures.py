@@ -15,8 +15,8 @@ from fissura.cli.options import CaseArgument, FullOption, JsonOption
 from fissura.errors import InputError
 
 if TYPE_CHECKING:
-    from fissura.results.specimen_picture import Sight
-    from fissura.simulation import Simulation
+    from fissura.pictures.specimen import Sight
+    from fissura.simulation.loop import Simulation
 
 __all__ = ["animate", "compare", "moments", "show"]
 
@@ -40,9 +40,9 @@ def show(
     """Draw the specimen of a case in 3D, with supports, loads and gauges, without running it."""
     with errors():
         from fissura.case import load_case
-        from fissura.memory import require_memory
-        from fissura.results.specimen_picture import Sight, plot_specimen
-        from fissura.simulation import Simulation
+        from fissura.pictures.specimen import Sight, plot_specimen
+        from fissura.simulation.loop import Simulation
+        from fissura.simulation.memory import require_memory
 
         loaded = load_case(case)
         path = output if output is not None else Path(f"{loaded.name}_specimen.png")
@@ -72,7 +72,7 @@ def _check_view(output: Path | None) -> None:
     InputError
         PyVista is not installed, there is no screen, or the picture would be no PNG.
     """
-    from fissura.results.pyvista_tools import can_open_windows, check_picture, pyvista
+    from fissura.pictures.pyvista_tools import can_open_windows, check_picture, pyvista
 
     pyvista()
     if output is None and not can_open_windows():
@@ -84,8 +84,8 @@ def _check_view(output: Path | None) -> None:
 
 def _view(simulation: Simulation, output: Path | None, sight: Sight) -> None:
     """Show a specimen in a window until that is closed, or write a picture of it."""
-    from fissura.results.pyvista_tools import shown
-    from fissura.results.specimen_view import specimen_view
+    from fissura.pictures.pyvista_tools import shown
+    from fissura.pictures.specimen_window import specimen_view
 
     view = specimen_view(simulation, sight, off_screen=output is not None)
     with writing(output) if output is not None else nullcontext():
@@ -103,7 +103,7 @@ def compare(
 ) -> None:
     """Compare two runs: a table of differences, and a picture of both curves."""
     with errors(json=json):
-        from fissura.folder import claimed
+        from fissura.files.folder import claimed
         from fissura.results.compare import compare as compare_folders
 
         with warnings(Console(stderr=True)):
@@ -140,8 +140,8 @@ def moments(
 ) -> None:
     """Draw bodies and crack at four moments of a run, and its curve."""
     with errors():
-        from fissura.folder import claimed
-        from fissura.results.moments import plot_moments
+        from fissura.files.folder import claimed
+        from fissura.pictures.moments import plot_moments
 
         path = output if output is not None else folder / "moments.png"
         check_ending(path, "--output")
@@ -164,8 +164,8 @@ def animate(
 ) -> None:
     """Animate a run: bodies grow finer, the crack opens, the curve grows."""
     with errors():
-        from fissura.folder import claimed
-        from fissura.results.animation import animate as write_animation
+        from fissura.files.folder import claimed
+        from fissura.pictures.animation import animate as write_animation
 
         path = output if output is not None else folder / "refinement.gif"
         with writing(path):

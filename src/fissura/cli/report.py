@@ -38,8 +38,8 @@ def reported(source: Path | Result, output: Path | None = None, *, runs: bool = 
     """Write a report, and say where it is."""
     from rich.progress import Progress
 
-    from fissura.pages import NAME
-    from fissura.pages import report as write
+    from fissura.api.pages import NAME
+    from fissura.api.pages import report as write
 
     console = Console(stderr=True)
     try:

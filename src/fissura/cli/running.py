@@ -24,10 +24,10 @@ from fissura.cli.machine import check_json, print_json
 from fissura.cli.options import CaseArgument, FullOption, JsonOption, OverwriteOption, QuietOption
 from fissura.cli.report import report_at_end, reported
 from fissura.errors import InputError
-from fissura.interrupts import interruptible
+from fissura.machine.interrupts import interruptible
 
 if TYPE_CHECKING:
-    from fissura.simulation import Simulation
+    from fissura.simulation.loop import Simulation
 
 __all__ = ["check", "new", "run", "schema"]
 
@@ -52,9 +52,9 @@ def run(
     """Run a case and write its results."""
     quiet |= json
     with errors(json=json), interruptible(_nothing if json else say), report_at_end(wanted=report):
-        from fissura import api
+        from fissura.api import run as api
         from fissura.case import load_case
-        from fissura.progress import RunProgress
+        from fissura.progress.live import RunProgress
 
         loaded = load_case(case)
         folder = output if output is not None else Path("results") / (loaded.name + ("_full" if full else ""))
@@ -114,8 +114,8 @@ def check(
 ) -> None:
     """Validate a case and say what would be run, without running it."""
     with errors(json=json):
+        from fissura.api.check import check as checked
         from fissura.case import load_case
-        from fissura.checking import check as checked
 
         with warnings(Console(stderr=True)) as shown:
             found = checked(load_case(case), build=build or None)

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from fissura.cli.console import errors, print_table, say, warnings
 from fissura.cli.resuming import Resumable
-from fissura.interrupts import interruptible
+from fissura.machine.interrupts import interruptible
 
 __all__ = ["study"]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING
 
+from fissura.case.laws import law_named
 from fissura.case.plausible import suspect
 from fissura.contact.closing import ClosingCusatisCedolin
 from fissura.contact.kinematics import (
@@ -21,7 +22,6 @@ from fissura.contact.several import LawOfMaterials
 from fissura.contact.stress import body_stress
 from fissura.contact.two_energies import TwoEnergies
 from fissura.errors import InputError
-from fissura.laws import law_named
 from fissura.material import materials_from_case
 
 if TYPE_CHECKING:

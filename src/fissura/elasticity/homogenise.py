@@ -13,8 +13,8 @@ from scipy.sparse import csr_array
 
 from fissura.contact import contact_strains, kinematics_of, nodal_forces
 from fissura.elasticity.stiffness import unit_strains
-from fissura.equilibrium.assembly import pattern
-from fissura.equilibrium.symmetric import SymmetricSolver
+from fissura.linear.assembly import pattern
+from fissura.linear.symmetric import SymmetricSolver
 from fissura.tessellation.periodic import PeriodicCell
 
 __all__ = ["Homogenisation"]

@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fissura.bulk import bulk_law, voigt
+from fissura.case.macroscopic import bulk_law, voigt
 from fissura.elasticity.study import Row, Study, spread
-from fissura.results.lettering import save
-from fissura.results.pictures import BLUE, DPI, INK, LIGHT, ORANGE, headline, tidy
+from fissura.pictures.curves import BLUE, DPI, INK, LIGHT, ORANGE, headline, tidy
+from fissura.pictures.lettering import save
 
 __all__ = ["SPARSE", "plot_alpha", "plot_size"]
 

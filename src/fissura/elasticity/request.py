@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fissura.bulk import bulk_law, voigt
-from fissura.bulk_tension import bulk_tension
+from fissura.case.macroscopic import bulk_law, voigt
 from fissura.case.ranges import BULK_MODULI, ENERGIES, LENGTHS, MODULI, STRENGTHS, Range, between
 from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, Dimension, to_si
+from fissura.elasticity.tension import bulk_tension
 from fissura.errors import InputError
-from fissura.files import write_atomically
-from fissura.folder import Folder
+from fissura.files.atomic import write_atomically
+from fissura.files.folder import Folder
 
 if TYPE_CHECKING:
     from fissura.case import Case

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fissura.case.points import Value
-from fissura.results.lettering import literal
+from fissura.pictures.lettering import literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.files import write_atomically
+from fissura.files.atomic import write_atomically
 from fissura.results.curve import COLUMN_OF
-from fissura.results.path import LoadPath
+from fissura.results.load_path import LoadPath
 
 if TYPE_CHECKING:
     from fissura.case import Quantity

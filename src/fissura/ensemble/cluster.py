@@ -9,12 +9,13 @@ from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from fissura.batch.processes import ProcessesLost, computed
 from fissura.ensemble.outcome import Outcome, compute
 from fissura.ensemble.plan import Task
 from fissura.errors import EnsembleStopped, InputError
-from fissura.memory import estimate_bodies, estimate_memory, physical_memory
-from fissura.processes import ProcessesLost, computed
-from fissura.threads import threads_each, usable_processors
+from fissura.machine.memory import physical_memory
+from fissura.machine.threads import threads_each, usable_processors
+from fissura.simulation.memory import estimate_bodies, estimate_memory
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fissura.ensemble.result import EnsembleResult
-from fissura.results.pictures import INK, LIGHT, ORANGE, headline, tidy
+from fissura.pictures.curves import INK, LIGHT, ORANGE, headline, tidy
 from fissura.specimen import domain_from_case
 
 __all__ = ["plot_crack_starts"]

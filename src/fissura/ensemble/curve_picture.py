@@ -11,10 +11,7 @@ from matplotlib.figure import Figure
 
 from fissura.ensemble.band import Band
 from fissura.ensemble.result import EnsembleResult
-from fissura.results.measured import read_measured
-from fissura.results.names import load_name, value_axis
-from fissura.results.path import NAMES, LoadPath
-from fissura.results.pictures import (
+from fissura.pictures.curves import (
     BLUE,
     INK,
     LIGHT,
@@ -27,6 +24,9 @@ from fissura.results.pictures import (
     load_unit,
     tidy,
 )
+from fissura.results.load_path import NAMES, LoadPath
+from fissura.results.measured import read_measured
+from fissura.results.names import load_name, value_axis
 
 if TYPE_CHECKING:
     from fissura.case import Case

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fissura.results.attempted import attempted
-from fissura.results.html import embedded, notebook_html
+from fissura.pictures.attempted import attempted
+from fissura.pictures.html import embedded, notebook_html
 
 if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult

@@ -11,15 +11,15 @@ import numpy as np
 
 from fissura.ensemble.study_pictures import colours
 from fissura.errors import InputError
+from fissura.pictures.curves import energy_unit, gauge_unit, load_unit
 from fissura.reports.view import Marks, legend_of, scene_of
 from fissura.results.names import load_name, value_axis
-from fissura.results.pictures import energy_unit, gauge_unit, load_unit
 from fissura.specimen import domain_from_case
 
 if TYPE_CHECKING:
     from fissura.ensemble.band import Band
     from fissura.ensemble.result import EnsembleResult
-    from fissura.results.path import LoadPath
+    from fissura.results.load_path import LoadPath
 
 __all__ = ["MOST_LINES", "page_data"]
 

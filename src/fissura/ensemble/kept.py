@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
-from fissura.case.files import read_bytes
-from fissura.case.load import read_json
 from fissura.ensemble.plan import Key, Kind
 from fissura.errors import InputError
+from fissura.files.tables import read_json
+from fissura.files.text import read_bytes
 from fissura.results.summary import read_summary
 
 __all__ = ["FOLDERS", "Kept", "kept"]

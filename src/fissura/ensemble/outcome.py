@@ -17,7 +17,7 @@ from fissura.results.curve import Curve
 if TYPE_CHECKING:
     from fissura.ensemble.plan import Task
     from fissura.results import Result
-    from fissura.step import Step
+    from fissura.simulation.step import Step
 
 __all__ = ["CrackStart", "Outcome", "compute"]
 
@@ -121,7 +121,7 @@ def compute(task: Task) -> Outcome:
 
 
 def _computed(task: Task, folder: Path | None) -> Outcome:
-    from fissura import api
+    from fissura.api import run as api
 
     start = CrackStart(task.case.material.G_t / task.case.material.f_t)
     result: Result

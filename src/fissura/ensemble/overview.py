@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fissura.results import quantities as text
+from fissura.text import quantities as text
 
 if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from fissura.ensemble.distributions import GAUSSIAN, WEIBULL, Family, Fit, median_ranks
 from fissura.ensemble.result import EnsembleResult
-from fissura.results import quantities as text
-from fissura.results.pictures import BLUE, INK, LIGHT, ORANGE, headline, legend, load_unit, tidy
+from fissura.pictures.curves import BLUE, INK, LIGHT, ORANGE, headline, legend, load_unit, tidy
+from fissura.text import quantities as text
 
 __all__ = ["plot_convergence", "plot_papers", "plot_peaks"]
 

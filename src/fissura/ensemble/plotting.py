@@ -11,9 +11,9 @@ from fissura.ensemble.curve_picture import draw_curves
 from fissura.ensemble.study_pictures import curves_by_value
 from fissura.ensemble.table import COLUMNS, varied_keys
 from fissura.errors import InputError
-from fissura.results.lettering import literal
-from fissura.results.pictures import BLUE, tidy
-from fissura.results.plotting import column_among, new_axes, scaled_axis, split_unit
+from fissura.pictures.curves import BLUE, tidy
+from fissura.pictures.lettering import literal
+from fissura.pictures.plotting import column_among, new_axes, scaled_axis, split_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -18,17 +18,17 @@ from fissura.ensemble.pictures import PICTURES
 from fissura.ensemble.statistics import QUANTITIES
 from fissura.ensemble.table import varied_keys
 from fissura.errors import InputError
-from fissura.files import write_atomically
-from fissura.folder import Folder
+from fissura.files.atomic import write_atomically
+from fissura.files.folder import Folder
+from fissura.pictures.attempted import attempted
+from fissura.pictures.curves import DPI
+from fissura.pictures.lettering import rendered as png_of
 from fissura.reports.libraries import have_libraries
 from fissura.reports.origin import origin_rows
 from fissura.reports.page import rendered, write_page
-from fissura.results import quantities as text
-from fissura.results.attempted import attempted
-from fissura.results.lettering import rendered as png_of
-from fissura.results.pictures import DPI
 from fissura.results.provenance import versions
 from fissura.results.summary import read_summary
+from fissura.text import quantities as text
 
 if TYPE_CHECKING:
     from fissura.ensemble.plan import Kind

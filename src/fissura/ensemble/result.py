@@ -17,13 +17,13 @@ from fissura.ensemble.overview import rows_of
 from fissura.ensemble.plan import Kind, Plan
 from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.table import Table, read_table, select
-from fissura.files import write_json
-from fissura.folder import copied
+from fissura.files.atomic import write_json
+from fissura.files.folder import copied
 from fissura.results.curve import COLUMN_OF, read_curve
-from fissura.results.path import LoadPath
+from fissura.results.load_path import LoadPath
 from fissura.results.result import Result
 from fissura.results.summary import read_summary
-from fissura.rows import aligned
+from fissura.text.rows import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -114,7 +114,7 @@ class EnsembleResult:
         """
         from fissura.case import case_from_dict
         from fissura.case.ensemble import lists_of_values
-        from fissura.case.load import read_json
+        from fissura.files.tables import read_json
 
         folder = Path(folder)
         plan = read_summary(folder / "ensemble.json").get("plan", {})

@@ -19,8 +19,8 @@ from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
 from fissura.errors import EnsembleStopped, FissuraError, InputError
 from fissura.kernels import prepare_cache
-from fissura.memory import require_memory
-from fissura.threads import side_by_side
+from fissura.machine.threads import side_by_side
+from fissura.simulation.memory import require_memory
 
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
@@ -199,7 +199,7 @@ def run_plan(
 
 def _folder(output: str | Path, plan: Plan, *, resume: bool, overwrite: bool) -> Store:
     """The folder, ready to be written to."""
-    from fissura.folder import prepare_folder
+    from fissura.files.folder import prepare_folder
 
     if resume and overwrite:
         raise InputError("--resume", "is given together with --overwrite", "one of them")

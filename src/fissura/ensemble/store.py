@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from fissura.ensemble.kept import FOLDERS, Kept, kept
 from fissura.ensemble.plan import Kind, Plan
 from fissura.errors import InputError
-from fissura.files import part_of, sync_folder, write_atomically, write_json
-from fissura.folder import Folder
+from fissura.files.atomic import part_of, sync_folder, write_atomically, write_json
+from fissura.files.folder import Folder
 from fissura.results.curve import COLUMNS
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.provenance import versions

@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 
 from fissura.ensemble.axes_of_values import ValueAxis, value_axis_of
 from fissura.ensemble.result import EnsembleResult
-from fissura.results.lettering import literal
+from fissura.pictures.curves import INK, gauge_unit, headline, legend, load_unit, tidy
+from fissura.pictures.lettering import literal
 from fissura.results.names import load_name, value_axis
-from fissura.results.pictures import INK, gauge_unit, headline, legend, load_unit, tidy
 
 __all__ = ["curves_by_value", "plot_study_curves", "plot_study_peaks"]
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.files import write_atomically
+from fissura.files.atomic import write_atomically
 
 __all__ = [
     "COLUMNS",

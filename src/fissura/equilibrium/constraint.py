@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.equilibrium.krylov import dot
+from fissura.linear.krylov import dot
 
 if TYPE_CHECKING:
     from fissura.equilibrium.system import Response, System

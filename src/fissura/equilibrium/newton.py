@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from fissura.contact import contact_strains
 from fissura.equilibrium.constraint import Constraint, holding
-from fissura.equilibrium.krylov import dot, norm
-from fissura.equilibrium.linear import SingularMatrixError, UnmovedGaugeError
 from fissura.equilibrium.memory import SolverMemory
 from fissura.equilibrium.system import Response, System
 from fissura.equilibrium.tangent import TangentSolver
+from fissura.linear.krylov import dot, norm
+from fissura.linear.protocol import SingularMatrixError
 
 __all__ = ["Equilibrium", "Norms", "StepSolver", "reach_of", "settle"]
 
@@ -48,6 +48,10 @@ _NEAREST, _FARTHEST = 0.1, 10.0
 
 #: Share of the residual that Newton's linear equations may leave: half of what would be in equilibrium, within limits.
 _LEAST_EXACT, _MOST_EXACT = 0.1, 1e-3
+
+
+class UnmovedGaugeError(SingularMatrixError):
+    """The load does not move the controlled quantity."""
 
 
 @dataclass(frozen=True)

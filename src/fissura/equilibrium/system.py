@@ -23,16 +23,16 @@ from fissura.contact import (
     nodal_forces,
 )
 from fissura.equilibrium.acting import Acting
-from fissura.equilibrium.active import changes, put_rows
-from fissura.equilibrium.assembly import Pattern, add_spin, assemble, assemble_secant, pattern
-from fissura.equilibrium.krylov import dot
-from fissura.equilibrium.low_rank import LowRank
 from fissura.equilibrium.platens import with_platens
-from fissura.equilibrium.prepared import PreparedSecant
 from fissura.equilibrium.reactions import Carried, Reactions, carried, reactions
-from fissura.equilibrium.symmetric import SymmetricSolver
-from fissura.equilibrium.team import ALONE, Team
+from fissura.equilibrium.secant import PreparedSecant
+from fissura.equilibrium.with_damage import changes, put_rows
 from fissura.errors import InputError
+from fissura.linear.assembly import Pattern, add_spin, assemble, assemble_secant, pattern
+from fissura.linear.krylov import dot
+from fissura.linear.low_rank import LowRank
+from fissura.linear.symmetric import SymmetricSolver
+from fissura.machine.kernel_threads import ALONE, Team
 from fissura.material import Material, Materials, Regions
 from fissura.specimen import Conditions, Drive
 from fissura.tessellation import Tessellation

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from fissura.contact import add_stiffness
 from fissura.equilibrium.constraint import Constraint
-from fissura.equilibrium.krylov import dot, gmres, norm
-from fissura.equilibrium.linear import SingularMatrixError
 from fissura.equilibrium.memory import SolverMemory
 from fissura.equilibrium.system import Response, System
+from fissura.linear.krylov import dot, gmres, norm
+from fissura.linear.protocol import SingularMatrixError
 
 __all__ = ["TangentSolver"]
 

@@ -10,7 +10,7 @@ import sys
 import threading
 
 from fissura.kernels.place import PACKAGE
-from fissura.threads import usable_processors
+from fissura.machine.threads import usable_processors
 
 __all__ = ["Helpers", "help_out"]
 

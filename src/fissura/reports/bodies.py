@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.pictures.meshes import meshes_of, steps_with_states
+from fissura.pictures.result_window import skin_of
 from fissura.reports.packed import packed_size, quantised
-from fissura.results.meshes import meshes_of, steps_with_states
-from fissura.results.result_view import skin_of
 
 if TYPE_CHECKING:
     from fissura.results.result import Result

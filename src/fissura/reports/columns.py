@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fissura.errors import InputError
+from fissura.pictures.plotting import column_title, scale_of, split_unit
 from fissura.results.curve import COLUMN_OF, TEXTS
 from fissura.results.measured import read_measured
-from fissura.results.plotting import column_title, scale_of, split_unit
 
 if TYPE_CHECKING:
     from fissura.results.result import Result

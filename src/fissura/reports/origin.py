@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from fissura.results import quantities as text
+from fissura.text import quantities as text
 
 if TYPE_CHECKING:
     from fissura.results.result import Result

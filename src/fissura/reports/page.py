@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fissura.errors import InputError
-from fissura.files import write_atomically
+from fissura.files.atomic import write_atomically
 from fissura.reports.libraries import k3d, plotly, require_libraries
 from fissura.reports.packed import packed
 from fissura.results.provenance import versions

@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fissura.errors import InputError
+from fissura.pictures.meshes import steps_with_states
 from fissura.reports.bodies import shown_steps, states_of
 from fissura.reports.columns import columns_of, measured_of
 from fissura.reports.libraries import require_libraries
 from fissura.reports.origin import bibtex, bound_told, cited, origin_rows, seed_told, status_told
 from fissura.reports.page import rendered, write_page
 from fissura.reports.view import legend_of, scene_of
-from fissura.results import quantities as text
-from fissura.results.meshes import steps_with_states
 from fissura.specimen import domain_from_case
+from fissura.text import quantities as text
 
 if TYPE_CHECKING:
     from fissura.results.result import Result

@@ -11,10 +11,10 @@ import numpy as np
 from matplotlib.colors import Colormap, to_rgb
 from numpy.typing import NDArray
 
+from fissura.pictures.side_view import BENT, COARSE, FINE, HEAT, SHOWN, TENSION, round_below
+from fissura.pictures.specimen import Sight
+from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, signs_of
 from fissura.reports.bodies import State
-from fissura.results.specimen_picture import Sight
-from fissura.results.specimen_signs import SUPPORT, WEIGHT, signs_of
-from fissura.results.stage import BENT, COARSE, FINE, HEAT, SHOWN, TENSION, round_below
 
 if TYPE_CHECKING:
     from fissura.case import Case

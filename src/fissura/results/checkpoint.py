@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.results.archive import read_archive, write_archive
+from fissura.files.archive import read_archive, write_archive
+from fissura.files.packing import pack, unpack
 from fissura.results.curve import Curve
-from fissura.results.packing import pack, unpack
-from fissura.saved import TYPES, SavedState
+from fissura.simulation.saved import TYPES, SavedState
 
 __all__ = ["FILE", "Checkpoint", "checkpoint_in", "read_checkpoint", "write_checkpoint"]
 

@@ -10,7 +10,7 @@ from fissura.results.done import Done
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.step import Moment
+    from fissura.simulation.step import Moment
 
 __all__ = ["ChosenStates"]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fissura.errors import InputError, Notice
-from fissura.results.path import NAMES
+from fissura.results.load_path import NAMES
 
 if TYPE_CHECKING:
     from fissura.case import Case, Gauge, Quantity

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.results import quantities as text
-from fissura.results.path import NAMES
-from fissura.rows import aligned
+from fissura.results.load_path import NAMES
+from fissura.text import quantities as text
+from fissura.text.rows import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -227,7 +227,7 @@ class Comparison:
         """
         from matplotlib import pyplot
 
-        from fissura.results.pictures import comparison_figure
+        from fissura.pictures.curves import comparison_figure
 
         upper, lower = comparison_figure(self, pyplot.figure).axes
         return upper, lower
@@ -256,7 +256,7 @@ class Comparison:
         """
         from matplotlib import pyplot
 
-        from fissura.results.moments import bodies_figure
+        from fissura.pictures.moments import bodies_figure
 
         return bodies_figure(self, stress=stress, make=pyplot.figure)[1]
 
@@ -290,7 +290,7 @@ class Comparison:
         return saved(self, Path(path))
 
     def _repr_html_(self) -> str:
-        from fissura.results.html import comparison_html
+        from fissura.pictures.html import comparison_html
 
         return comparison_html(self)
 

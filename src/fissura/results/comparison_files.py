@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 from matplotlib.backend_bases import FigureCanvasBase
 
 from fissura.errors import InputError
-from fissura.files import write_atomically, write_json
-from fissura.results.lettering import save
-from fissura.results.moments import bodies_figure
-from fissura.results.pictures import DPI, comparison_figure
+from fissura.files.atomic import write_atomically, write_json
+from fissura.pictures.curves import DPI, comparison_figure
+from fissura.pictures.lettering import save
+from fissura.pictures.moments import bodies_figure
 
 if TYPE_CHECKING:
     from fissura.results.comparison import Comparison

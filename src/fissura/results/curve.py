@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.case.files import read_text
 from fissura.case.programme import GRAVITY
 from fissura.errors import InputError
+from fissura.files.text import read_text
 
 if TYPE_CHECKING:
     from fissura.case import Case, Quantity
-    from fissura.step import Step
+    from fissura.simulation.step import Step
 
 __all__ = [
     "COLUMNS",

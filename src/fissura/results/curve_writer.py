@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from fissura.files import force, write_atomically
+from fissura.files.atomic import force, write_atomically
 from fissura.results.curve import COLUMNS, COUNTS, Curve
 
 __all__ = ["CurveWriter"]

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.results.archive import read_archive, write_archive
+from fissura.files.archive import read_archive, write_archive
 from fissura.results.section import Rows, Section, cut
 from fissura.results.summary import read_summary, result_folder
 
 if TYPE_CHECKING:
-    from fissura.step import Snapshot, Step
+    from fissura.simulation.step import Snapshot, Step
     from fissura.tessellation import Tessellation
 
 __all__ = ["FILE", "Frame", "HistoryWriter", "read_history"]

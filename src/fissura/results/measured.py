@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.case.files import read_text
 from fissura.case.units import show
 from fissura.errors import InputError
+from fissura.files.text import read_text
 from fissura.results.measured_columns import (
     PLAIN,
     UNITS,

@@ -9,7 +9,7 @@ from fissura.case.programme import GRAVITY
 
 if TYPE_CHECKING:
     from fissura.case import Case, Quantity
-    from fissura.step import Step
+    from fissura.simulation.step import Step
 
 __all__ = ["driven_in", "load_name", "value_axis"]
 

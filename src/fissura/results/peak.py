@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import Notice
-from fissura.results.quantities import force, length
+from fissura.text.quantities import force, length
 
 __all__ = ["negative_before_peak", "peak_position"]
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fissura.errors import InputError
-from fissura.folder import Folder
-from fissura.interrupts import shielded
+from fissura.files.folder import Folder
+from fissura.machine.interrupts import shielded
 from fissura.results.chosen import ChosenStates
 from fissura.results.curve import COLUMN_OF, COLUMNS, GrowingCurve, case_columns, row
 from fissura.results.curve_writer import CurveWriter
@@ -25,9 +25,9 @@ from fissura.results.summary import build_summary, peak_memory, write_summary
 
 if TYPE_CHECKING:
     from fissura.results.resuming import Begun
-    from fissura.simulation import Simulation
-    from fissura.state import State
-    from fissura.step import Moment, Snapshot, Step
+    from fissura.simulation.loop import Simulation
+    from fissura.simulation.state import State
+    from fissura.simulation.step import Moment, Snapshot, Step
 
 __all__ = ["Recorder"]
 

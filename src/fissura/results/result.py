@@ -12,7 +12,7 @@ from fissura.results.curve import COLUMNS, Curve, read_curve
 from fissura.results.numbers import Numbers
 from fissura.results.state import read_states
 from fissura.results.summary import curve_numbers, read_summary, result_folder
-from fissura.rows import aligned
+from fissura.text.rows import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.results.history import Frame
     from fissura.results.xarrays import Fields
-    from fissura.step import Snapshot
+    from fissura.simulation.step import Snapshot
 
 __all__ = ["Result"]
 
@@ -93,7 +93,7 @@ class Result(Numbers):
         'finished'
         """
         from fissura.case import case_from_dict
-        from fissura.case.load import read_json
+        from fissura.files.tables import read_json
 
         folder = result_folder(folder)
         curve, summary = read_curve(folder / "curve.csv"), read_summary(folder / "summary.json")
@@ -220,7 +220,7 @@ class Result(Numbers):
         >>> ax = adaptive.plot(ax=full.plot(color="0.7"))
         >>> ax = result.plot(x="step", y="dissipated")
         """
-        from fissura.results.plotting import plot_columns
+        from fissura.pictures.plotting import plot_columns
 
         return plot_columns(self, x, y, ax, line)
 
@@ -246,7 +246,7 @@ class Result(Numbers):
         --------
         >>> result.plot_crack().figure.savefig("crack.pdf")
         """
-        from fissura.results.crack_picture import crack_axes
+        from fissura.pictures.crack import crack_axes
 
         return crack_axes(self, ax)
 
@@ -281,7 +281,7 @@ class Result(Numbers):
         >>> ax = result.plot_bodies()
         >>> ax = result.plot_bodies(step=3, stress=True, magnify=1.0)
         """
-        from fissura.results.bodies_picture import bodies_axes
+        from fissura.pictures.bodies import bodies_axes
 
         return bodies_axes(self, step, ax, stress=stress, magnify=magnify)
 
@@ -315,10 +315,10 @@ class Result(Numbers):
         Parameters
         ----------
         what : {"curve", "bodies", "contacts"}, optional
-            ``"curve"`` has every column over all steps. The others have the arrays of `fissura.step.Snapshot` over the
-            steps of `snapshots`: bodies by the identity of their nucleus, contacts by the pair of nuclei that they
-            join. Where a body or a contact is not there in a step, because the run had not refined that place yet,
-            values are nan.
+            ``"curve"`` has every column over all steps. The others have the arrays of
+            `fissura.simulation.step.Snapshot` over the steps of `snapshots`: bodies by the identity of their nucleus,
+            contacts by the pair of nuclei that they join. Where a body or a contact is not there in a step, because
+            the run had not refined that place yet, values are nan.
 
         Returns
         -------
@@ -369,7 +369,7 @@ class Result(Numbers):
         >>> bool(meshes["cracks"].cell_data["opening"].max() == result.last.opening.max())
         True
         """
-        from fissura.results.meshes import meshes_of
+        from fissura.pictures.meshes import meshes_of
 
         return meshes_of(self, step)
 
@@ -400,8 +400,8 @@ class Result(Numbers):
         >>> result.show()  # doctest: +SKIP
         >>> result.show(magnify=200, output="crack.png")  # doctest: +RENDER
         """
-        from fissura.results.pyvista_tools import shown
-        from fissura.results.result_view import result_view
+        from fissura.pictures.pyvista_tools import shown
+        from fissura.pictures.result_window import result_view
 
         view = result_view(self, step, magnify=magnify, off_screen=True if output is not None else None)
         return shown(view, self.case.name, None if output is None else Path(output))
@@ -429,12 +429,12 @@ class Result(Numbers):
         >>> result.report("beam.html").name
         'beam.html'
         """
-        from fissura.pages import report
+        from fissura.api.pages import report
 
         return report(self, path)
 
     def _repr_html_(self) -> str:
-        from fissura.results.html import result_html
+        from fissura.pictures.html import result_html
 
         return result_html(self)
 

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fissura.case import case_from_dict
-from fissura.legs import extended
 from fissura.results.checkpoint import Checkpoint
 from fissura.results.curve import COLUMN_OF
 from fissura.results.done import Done
 from fissura.results.peak import peak_position
 from fissura.results.provenance import versions
-from fissura.saved import restored
-from fissura.step import Moment
+from fissura.simulation.legs import extended
+from fissura.simulation.saved import restored
+from fissura.simulation.step import Moment
 
 if TYPE_CHECKING:
-    from fissura.simulation import Simulation
-    from fissura.step import Snapshot
+    from fissura.simulation.loop import Simulation
+    from fissura.simulation.step import Snapshot
 
 __all__ = ["Begun", "begun"]
 

@@ -6,12 +6,12 @@ import logging
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fissura.results import quantities as text
 from fissura.results.provenance import commit, versions
+from fissura.text import quantities as text
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.step import Step
+    from fissura.simulation.step import Step
 
 __all__ = ["FILE", "RunLog"]
 

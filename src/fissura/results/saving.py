@@ -11,16 +11,16 @@ from fissura.results.checkpoint import FILE, Checkpoint, write_checkpoint
 from fissura.results.history import FILE as SECTIONS
 from fissura.results.provenance import versions
 from fissura.results.summary import peak_memory
-from fissura.saved import Noted, SavedState
+from fissura.simulation.saved import Noted, SavedState
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from fissura.folder import Folder
+    from fissura.files.folder import Folder
     from fissura.results.curve import Curve
     from fissura.results.history import HistoryWriter
-    from fissura.simulation import Simulation
-    from fissura.state import State
+    from fissura.simulation.loop import Simulation
+    from fissura.simulation.state import State
 
 __all__ = ["CheckpointWriter"]
 

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.errors import InputError
-from fissura.files import write_atomically, write_json
-from fissura.folder import Folder, prepare_folder
-from fissura.lock import locked
-from fissura.results.attempted import attempted
+from fissura.files.atomic import write_atomically, write_json
+from fissura.files.folder import Folder, prepare_folder
+from fissura.files.lock import locked
+from fissura.pictures.attempted import attempted
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.state import LAST, state_file, write_state
 from fissura.results.summary import result_folder, write_summary
-from fissura.step import Moment
+from fissura.simulation.step import Moment
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -42,13 +42,13 @@ def write_case(case: Case, own: Own) -> None:
 
 def draw_pictures(result: Result, domain: Domain, field: RandomField | None, own: Own) -> None:
     """Draw the curve, the crack and the random field of a run with steps; one that fails is a warning."""
-    from fissura.results.crack_picture import plot_crack
-    from fissura.results.pictures import plot_curve
+    from fissura.pictures.crack import plot_crack
+    from fissura.pictures.curves import plot_curve
 
     attempted("crack.png", lambda: plot_crack(result, own("crack.png")))
     part = result.case.field
     if part is not None and field is not None:
-        from fissura.results.field_picture import plot_field
+        from fissura.pictures.field import plot_field
 
         structure, name = result.last.tessellation, result.case.name
         attempted("field.png", lambda: plot_field(field, part, domain, structure, own("field.png"), name))

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fissura.adaptivity.estimate import load_error_bound
-from fissura.case.load import read_json
 from fissura.errors import InputError, Notice
-from fissura.files import write_json
+from fissura.files.atomic import write_json
+from fissura.files.tables import read_json
+from fissura.results.broken_places import torn_at_places
 from fissura.results.curve import Curve
 from fissura.results.peak import negative_before_peak, peak_position
-from fissura.results.places import torn_at_places
 from fissura.results.provenance import commit, machine, now, versions
-from fissura.results.quantities import length
+from fissura.text.quantities import length
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.simulation import Simulation
+    from fissura.simulation.loop import Simulation
 
 __all__ = [
     "FORMAT_VERSION",

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from fissura.results import quantities as text
 from fissura.results.names import load_name
 from fissura.results.peak import peak_position
+from fissura.text import quantities as text
 
 if TYPE_CHECKING:
     from fissura.results.result import Result

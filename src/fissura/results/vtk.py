@@ -11,12 +11,12 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.files import write_atomically
+from fissura.files.atomic import write_atomically
 from fissura.results.polyhedra import Polyhedra, polyhedra
 from fissura.results.vtu import POLYGON, POLYHEDRON, Grid, write_vtu
 
 if TYPE_CHECKING:
-    from fissura.step import Snapshot
+    from fissura.simulation.step import Snapshot
 
 __all__ = ["SERIES", "bodies_grid", "contacts_grid", "file_name", "write_series", "write_snapshot"]
 

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.results.plotting import split_unit
+from fissura.pictures.plotting import split_unit
 
 if TYPE_CHECKING:
     from fissura.results.result import Result
-    from fissura.step import Snapshot
+    from fissura.simulation.step import Snapshot
 
 __all__ = ["Fields", "dataset_of"]
 

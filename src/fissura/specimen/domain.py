@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from fissura.errors import Notice
 from fissura.specimen.complex import Complex
 from fissura.specimen.convex import area_vector, clipped_by, loops_of
+from fissura.specimen.cross_sections import outline_of, smallest_section_of
 from fissura.specimen.locate import Locator
 from fissura.specimen.notches import Notch
 from fissura.specimen.planes import SAME, unit
-from fissura.specimen.sections import outline_of, smallest_section_of
 
 __all__ = ["Domain", "SurfacePart"]
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fissura.machine.threads import side_by_side
 from fissura.study.plan import LoadedPlan, load_plan, plan_from_dict
-from fissura.threads import side_by_side
 
 if TYPE_CHECKING:
     from fissura.study.outcome import Outcome
@@ -56,7 +56,7 @@ def run_study(
     KeyboardInterrupt, StudyStopped
         The user interrupts, or no process can be started; all finished runs are saved, and the same call goes on.
     """
-    from fissura.folder import Folder, prepare_folder
+    from fissura.files.folder import Folder, prepare_folder
     from fissura.study.outcome import outcome_of
     from fissura.study.pool import run_tasks
     from fissura.study.store import check_names, split
@@ -94,7 +94,7 @@ def write_outcome(outcome: Outcome, folder: str | Path) -> list[Path]:
     InputError
         The folder holds something else, or cannot be written.
     """
-    from fissura.folder import Folder, prepare_folder
+    from fissura.files.folder import Folder, prepare_folder
     from fissura.study.pictures import PICTURES, draw
     from fissura.study.report import write_tables
 

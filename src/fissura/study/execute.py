@@ -11,8 +11,8 @@ from fissura.study.record import Record
 
 if TYPE_CHECKING:
     from fissura.results.curve import Row
-    from fissura.state import State
-    from fissura.step import Step
+    from fissura.simulation.state import State
+    from fissura.simulation.step import Step
     from fissura.study.plan import Task
 
 __all__ = ["execute", "head_of", "warm_up"]
@@ -39,11 +39,11 @@ def execute(task: Task) -> Record:
     KeyboardInterrupt
         The user interrupts.
     """
-    from fissura.memory import require_memory
-    from fissura.observer import watched
     from fissura.results.curve import columns, row
     from fissura.results.summary import build_summary, peak_memory
-    from fissura.simulation import Simulation
+    from fissura.simulation.loop import Simulation
+    from fissura.simulation.memory import require_memory
+    from fissura.simulation.observer import watched
     from fissura.study.indicators import Observer
 
     head = head_of(task)

@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 from fissura.study.record import Energies
 
 if TYPE_CHECKING:
-    from fissura.step import Snapshot, Step
+    from fissura.simulation.step import Snapshot, Step
     from fissura.tessellation import Tessellation
 
 __all__ = ["INDICATORS", "OBSERVED", "Observer"]

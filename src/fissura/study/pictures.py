@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from fissura.results.attempted import attempted
-from fissura.results.lettering import legend_below, literal, may_shrink, save
-from fissura.results.pictures import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
+from fissura.pictures.attempted import attempted
+from fissura.pictures.curves import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
+from fissura.pictures.lettering import legend_below, literal, may_shrink, save
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
 from fissura.study.outcome import Outcome

@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
+from fissura.batch.processes import ProcessesLost, computed
 from fissura.errors import StudyStopped
 from fissura.kernels import prepare_cache
-from fissura.processes import ProcessesLost, computed
+from fissura.machine.threads import threads_each
 from fissura.study.execute import execute, head_of, warm_up
 from fissura.study.plan import Task
 from fissura.study.record import Record
-from fissura.threads import threads_each
 
 __all__ = ["run_tasks"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fissura.progress import ManyProgress, duration
+from fissura.progress.live import ManyProgress, duration
 from fissura.study.plan import LoadedPlan, Task
 from fissura.study.record import Record
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fissura.case import Case, case_from_dict
 from fissura.errors import InputError
-from fissura.results.archive import read_archive, write_archive
+from fissura.files.archive import read_archive, write_archive
 from fissura.results.curve import LATER, Curve, columns
 from fissura.results.result import Result
 

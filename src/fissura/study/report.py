@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from fissura.files import write_atomically
+from fissura.files.atomic import write_atomically
 from fissura.study.measures import Measures
 from fissura.study.outcome import Outcome
 from fissura.study.statistics import correlations, fails, localisation, spread

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fissura.case.files import check_file, read_text
 from fissura.errors import InputError
+from fissura.files.text import check_file, read_text
 from fissura.specimen.complex import Complex
 from fissura.tessellation.placement import place
 

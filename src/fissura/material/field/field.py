@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
+from fissura.machine.memory import within_memory
 from fissura.material.field.covariance import covariance_named
 from fissura.material.field.expansion import Expansion, expand
 from fissura.material.field.grid import Accuracy
 from fissura.material.field.marginal import Marginal, marginal_named
-from fissura.memory import within_memory
 from fissura.specimen import domain_from_case
 
 if TYPE_CHECKING:

@@ -1,0 +1,157 @@
+"""Generalized minimal residuals (Saad & Schultz 1986), preconditioned from the right, with kernels of their own.
+
+Threaded vector operations of general libraries wait for each other longer than they work on vectors of this size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.kernels import njit
+from fissura.machine.kernel_threads import ALONE, Team
+
+__all__ = ["Minimized", "dot", "gmres", "norm"]
+
+FloatArray = NDArray[np.float64]
+
+#: Share of a vector that is round-off after others have been taken out of it.
+_ROUND_OFF = 1e-13
+
+#: Vectors from this size on are cut into so many pieces: four domains of 30 000 bodies (:mod:`.domains`).
+_LONG, _CUT = 180_000, 4
+
+#: Sums may be taken in any order, always the same one in one build.
+_FAST = {"reassoc", "contract"}
+
+
+@njit(nogil=True, fastmath=_FAST)
+def _dot(begin, end, a, b):  # type: ignore[no-untyped-def]
+    s = 0.0
+    for k in range(begin, end):
+        s += a[k] * b[k]
+    return s
+
+
+@njit(nogil=True, fastmath=_FAST)
+def _take_out(begin, end, share, own, following, image):  # type: ignore[no-untyped-def]
+    """Take a share of the vector `own` out of `image`, and return the product of what is left with another vector."""
+    s = 0.0
+    for k in range(begin, end):
+        image[k] -= share * own[k]
+        s += following[k] * image[k]
+    return s
+
+
+def _pieces(size: int) -> tuple[int, ...]:
+    """Bounds of the pieces into which threads cut a vector; they depend on its size alone."""
+    return (0, size) if size < _LONG else tuple(size * k // _CUT for k in range(_CUT + 1))
+
+
+def _orthogonalized(basis: list[FloatArray], image: FloatArray, team: Team) -> list[float]:
+    """Make `image` orthogonal to unit vectors one after the other (modified Gram-Schmidt).
+
+    Returns
+    -------
+    list
+        Its components along them, and the norm of what is left.
+    """
+    pieces = _pieces(len(image))
+    out = [float(sum(team.run(_dot, pieces, basis[0], image)))]
+    for own, following in zip(basis, [*basis[1:], image], strict=True):
+        out.append(float(sum(team.run(_take_out, pieces, out[-1], own, following, image))))
+    out[-1] = float(np.sqrt(out[-1]))
+    return out
+
+
+def dot(a: FloatArray, b: FloatArray) -> float:
+    """Scalar product of two vectors."""
+    return float(_dot(0, len(a), a, b))
+
+
+def norm(a: FloatArray) -> float:
+    """Euclidean norm of a vector."""
+    return float(np.sqrt(_dot(0, len(a), a, a)))
+
+
+@dataclass(frozen=True)
+class Minimized:
+    """What :func:`gmres` found.
+
+    Attributes
+    ----------
+    solution : (n,) array
+        Solution.
+    iterations : int
+        Applications of the operator.
+    reduction : float
+        Norm of the residual that is left, over that of the right-hand side.
+    """
+
+    solution: FloatArray
+    iterations: int
+    reduction: float
+
+
+def gmres(
+    operator: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+    right: FloatArray,
+    tolerance: float,
+    most: int,
+    team: Team = ALONE,
+) -> Minimized:
+    """Minimize the residual of ``A M z = b`` over growing Krylov spaces, without restart, starting from zero.
+
+    Parameters
+    ----------
+    operator : callable
+        Takes v to ``(M v, A M v)``, where M is the preconditioner.
+    right : (n,) array
+        Right-hand side b.
+    tolerance : float
+        Reduction of the residual at which to stop.
+    most : int
+        Largest number of iterations.
+    team : Team
+        Threads that share the work on long vectors.
+
+    Returns
+    -------
+    Minimized
+        With the solution ``M z``.
+    """
+    size = norm(right)
+    if size == 0.0:
+        return Minimized(np.zeros_like(right), 0, 0.0)
+    basis: list[FloatArray] = [right / size]
+    moves: list[FloatArray] = []
+    upper = np.zeros((most, most))
+    rotations: list[tuple[float, float]] = []
+    rest = [1.0]
+    while len(moves) < most and abs(rest[-1]) > tolerance:
+        k = len(moves)
+        move, image = operator(basis[-1])
+        before = norm(image)
+        *column, left = _orthogonalized(basis, image, team)
+        left = left if left > _ROUND_OFF * before else 0.0  # nothing new
+        for j, (c, s) in enumerate(rotations):
+            column[j], column[j + 1] = c * column[j] + s * column[j + 1], c * column[j + 1] - s * column[j]
+        length = float(np.hypot(column[-1], left))
+        if not length > _ROUND_OFF * before or not np.isfinite(length):
+            break
+        c, s = column[-1] / length, left / length
+        rotations.append((c, s))
+        upper[: k + 1, k] = [*column[:-1], length]
+        rest[-1:] = [c * rest[-1], -s * rest[-1]]
+        moves.append(move)
+        if left == 0.0:
+            break
+        basis.append(image / left)
+    k = len(moves)
+    solution = np.zeros_like(moves[0]) if moves else np.zeros_like(right)
+    for weight, move in zip(np.linalg.solve(upper[:k, :k], size * np.array(rest[:k])) if k else [], moves, strict=True):
+        solution += weight * move
+    return Minimized(solution, k, abs(rest[-1]))

@@ -1,0 +1,171 @@
+"""Any column of the curve over any other, in axes of matplotlib."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.errors import InputError
+from fissura.pictures.curves import BLUE, tidy
+from fissura.pictures.lettering import literal
+from fissura.results.curve import COLUMN_OF, TEXTS
+from fissura.results.names import load_name, value_axis
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from matplotlib.axes import Axes
+
+    from fissura.case import Case
+    from fissura.results.result import Result
+
+__all__ = [
+    "column_among",
+    "column_named",
+    "column_title",
+    "new_axes",
+    "plot_columns",
+    "scale_of",
+    "scaled_axis",
+    "split_unit",
+]
+
+FloatArray = NDArray[np.float64]
+
+SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
+    "m": ((1e-3, 1e6, "µm"), (np.inf, 1e3, "mm")),
+    "N": ((1e3, 1.0, "N"), (1e6, 1e-3, "kN"), (np.inf, 1e-6, "MN")),
+    "Nm": ((1e3, 1.0, "N m"), (1e6, 1e-3, "kN m"), (np.inf, 1e-6, "MN m")),
+    "J": ((1.0, 1e3, "mJ"), (np.inf, 1.0, "J")),
+    "s": ((np.inf, 1.0, "s"),),
+}
+"""Of each unit in names of columns: below which value, with which factor, in which unit it is shown."""
+
+
+def column_named(columns: Iterable[str], name: str, key: str) -> str:
+    """The column that is meant: its name may be without the unit.
+
+    Parameters
+    ----------
+    columns : iterable of str
+        Those that there are.
+    name : str
+        What was asked for.
+    key : str
+        Where, for the message.
+
+    Raises
+    ------
+    InputError
+        There is none, or it holds words.
+
+    Examples
+    --------
+    >>> column_named(["gauge_m", "load_N"], "load", "y")
+    'load_N'
+    """
+    if name in TEXTS:
+        raise InputError(key, f"{name!r} holds words", ", ".join(column for column in columns if column not in TEXTS))
+    return column_among([column for column in columns if column not in TEXTS], name, key)
+
+
+def column_among(columns: Sequence[str], name: str, key: str, of: str = "the curve") -> str:
+    """The column that is meant: its name may be without the unit.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    found = [column for column in columns if name in (column, split_unit(column)[0])]
+    if found:
+        return found[0]
+    near = difflib.get_close_matches(str(name), [*columns, *(split_unit(column)[0] for column in columns)], n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    raise InputError(key, f"{name!r} is no column of {of}{hint}", ", ".join(columns))
+
+
+def split_unit(column: str) -> tuple[str, str]:
+    """Name of a column without its unit, and the unit, which may be empty.
+
+    Examples
+    --------
+    >>> split_unit("support_0_moment_x_Nm")
+    ('support_0_moment_x', 'Nm')
+    """
+    stem, _, last = column.rpartition("_")
+    return (stem, last) if stem and last in SCALES else (column, "")
+
+
+def plot_columns(result: Result, x: str | None, y: str, ax: Axes | None, line: dict[str, Any]) -> Axes:
+    """Draw a column over another; see `Result.plot`."""
+    columns = [
+        COLUMN_OF[result.case.quantity] if x is None else column_named(result.curve, x, "x"),
+        column_named(result.curve, y, "y"),
+    ]
+    if ax is None:
+        ax = new_axes((6.4, 4.2))
+    factors = []
+    for column, axis in zip(columns, (ax.xaxis, ax.yaxis), strict=True):
+        values = result.curve[column].astype(np.float64)
+        title = literal(column_title(result.case, column))
+        factor, label = scaled_axis(column, title, values, axis.get_label_text())
+        factors.append(factor)
+        axis.set_label_text(label)
+    kind = " at full resolution" if result.full else ""
+    style = {"linewidth": 1.6, "label": literal(result.case.name + kind)}
+    style |= {} if ax.lines or "c" in line else {"color": BLUE}
+    ax.plot(*(result.curve[c] * f for c, f in zip(columns, factors, strict=True)), **{**style, **line})
+    tidy(ax)
+    return ax
+
+
+def new_axes(size: tuple[float, float]) -> Axes:
+    """Axes of a new figure of pyplot, which notebooks show by themselves; its size in inches."""
+    from matplotlib import pyplot
+
+    return pyplot.subplots(figsize=size, layout="constrained")[1]
+
+
+def column_title(case: Case, column: str) -> str:
+    """What a column is called on axes, without its unit."""
+    for quantity, known in COLUMN_OF.items():
+        if column == known:
+            return value_axis(case, quantity)
+    return load_name(case) if column == "load_N" else split_unit(column)[0].replace("_", " ")
+
+
+def scale_of(unit: str, values: FloatArray) -> tuple[float, str]:
+    """Factor on values, and the unit in which they are shown then.
+
+    Parameters
+    ----------
+    unit : str
+        One of `SCALES`.
+    values : array
+        In that unit; those that are not finite do not count.
+
+    Examples
+    --------
+    >>> scale_of("N", np.array([0.0, 1530.0]))
+    (0.001, 'kN')
+    """
+    largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+    return next((factor, text) for below, factor, text in SCALES[unit] if largest < below)
+
+
+def scaled_axis(column: str, name: str, values: FloatArray, label: str) -> tuple[float, str]:
+    """Factor, and label of the axis; where one with a unit that fits is there, it stays."""
+    unit = split_unit(column)[1]
+    if not unit:
+        return 1.0, label or name
+    shown = re.search(r"\[(.+)\]\s*$", label)
+    for _, factor, text in SCALES[unit]:
+        if shown and shown[1] == text:
+            return factor, label
+    factor, text = scale_of(unit, values)
+    return factor, f"{name} [{text}]"

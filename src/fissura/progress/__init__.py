@@ -1,0 +1,1 @@
+"""Live progress of runs, and how long they still take."""

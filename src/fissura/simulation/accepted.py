@@ -1,0 +1,149 @@
+"""A state of equilibrium that the criterion leaves as it is: the end of a step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.simulation.state import Before, Effort, State
+from fissura.simulation.step import Snapshot, Step
+
+if TYPE_CHECKING:
+    from fissura.adaptivity import ElasticState
+    from fissura.equilibrium import Equilibrium, Goal, System
+    from fissura.simulation.model import Model
+
+__all__ = ["Found", "accepted", "snapshot_of"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where a step ends.
+
+    Attributes
+    ----------
+    equilibrium : Equilibrium
+        Displacements, load and history.
+    elastic : ElasticState
+        What the criterion looked at.
+    criterion : (n,) array
+        Its value, 1 at strength; nan for fine bodies.
+    """
+
+    equilibrium: Equilibrium
+    elastic: ElasticState
+    criterion: FloatArray
+
+
+def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[State, Step]:
+    """State and step after an accepted one.
+
+    Parameters
+    ----------
+    model : Model
+        Equations, and what a run is told by.
+    state : State
+        Where the step began.
+    goal : Goal
+        What it was to reach.
+    found : Found
+        Where it ends.
+    """
+    system = model.system
+    assert state.leg is not None
+    old, new, totals, effort = state.now, found.equilibrium, state.totals, state.effort
+    forces = system.forces(new.load)
+    displacements = np.asarray(system.acting.load_rows @ new.response.u)
+    gauges = np.asarray(system.acting.gauge_rows @ new.response.u)
+    drive = system.drive
+    if drive.quantity == "gauge" and drive.gauge is not None:
+        gauges[drive.gauge] = new.value  # without round-off
+    spent = system.dissipated(old.response, new.response)[: len(system.tessellation.contacts)]
+    more = 0.5 * (totals.forces + forces) @ (displacements - totals.displacements)
+    work = totals.work + float(more)
+    totals = replace(
+        totals,
+        forces=forces,
+        displacements=displacements,
+        dissipated=totals.dissipated + float(spent.sum()),
+        dissipated_at=totals.dissipated_at + system.carried.sums(spent),
+        work=work - float(system.kinks(old.response, new.response).sum()),
+        peak=max(totals.peak, abs(new.load)),
+    )
+    after = replace(
+        state,
+        now=new,
+        number=state.number + 1,
+        totals=totals,
+        before=Before(old.response.u, old.load, old.value),
+        spent=float(spent.sum()),
+        in_energy=goal.in_energy,
+        effort=Effort(),
+        aim=None,
+    )
+    reactions = system.reactions(new.response, new.load)
+    conditions = system.conditions
+    main = conditions.main
+    by_displacement = drive.quantity == "displacement" and np.array_equal(drive.ratios, main.ratios)
+    displacement = new.value if by_displacement else float(main.ratios @ displacements)
+    step = Step(
+        number=after.number,
+        gauge=displacement if main.gauge is None else float(gauges[main.gauge]),
+        load=float(main.ratios @ forces / (main.ratios @ main.ratios)),
+        load_displacement=displacement,
+        bodies=len(system.tessellation),
+        fine_bodies=int(system.tessellation.fine.sum()),
+        refinements=effort.refinements,
+        coarsenings=effort.coarsenings,
+        iterations=effort.iterations,
+        linear_iterations=effort.linear_iterations,
+        factorizations=effort.factorizations,
+        dissipated=totals.dissipated,
+        stored=system.stored(new.response),
+        work=totals.work,
+        exchanged=totals.exchanged,
+        max_elastic_utilisation=float(found.elastic.utilisation.max(initial=0.0)),
+        residual=new.norms.force,
+        snapshot=snapshot_of(system, found),
+        control=goal.control,
+        quantity=model.case.quantity,
+        reactions=reactions.each,
+        rest=reactions.rest,
+        dissipated_at=np.asarray(totals.dissipated_at),
+        load_change=effort.load_change,
+        spent=spent,
+        utilisation=found.elastic.utilisation,
+        stage=model.legs[state.leg.index].number,
+        done=model.done(after),
+        forces=dict(zip(conditions.load_names, forces.tolist(), strict=True)),
+        displacements=dict(zip(conditions.load_names, displacements.tolist(), strict=True)),
+        held=tuple(held.name for held in conditions.held),
+        gauges=dict(zip(conditions.gauge_names, gauges.tolist(), strict=True)),
+    )
+    return after, step
+
+
+def snapshot_of(system: System, found: Found) -> Snapshot:
+    """What can be seen of a state of equilibrium."""
+    response, contacts = found.equilibrium.response, system.tessellation.contacts
+    n, m = len(system.tessellation), len(contacts)
+    strain, damage = response.strain[:m], np.zeros(m)
+    damage[system.active] = system.law.damage(response.history)
+    return Snapshot(
+        tessellation=system.tessellation,
+        displacement=response.u.reshape(-1, 6)[:n],
+        stress=found.elastic.stress,
+        criterion=found.criterion,
+        strain=strain,
+        traction=response.traction[:m],
+        tangents=system.geometry.frame[:m, 1:],
+        damage=damage,
+        opening=contacts.length * damage * np.maximum(strain[:, 0], 0.0),
+        body_factor=system.body_factor,
+        contact_factor=system.contact_factor,
+    )

@@ -1,0 +1,279 @@
+"""The specimen of a run as it is discretized: equations that change with the refined region."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fissura.adaptivity import (
+    Coarsening,
+    ElasticState,
+    Layout,
+    RefinedRegion,
+    calibrated,
+    criterion_named,
+    gauge_compliance,
+    needed_bodies,
+    region_from_case,
+)
+from fissura.equilibrium import Response, System, check_places
+from fissura.errors import InputError
+from fissura.machine.kernel_threads import Team
+from fissura.material import check_not_everywhere, field_from_case
+from fissura.simulation.described import described
+from fissura.specimen import Conditions
+from fissura.tessellation import Tessellation, discretize, nuclei_from_case
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from fissura.case import Case
+    from fissura.specimen import Drive
+
+__all__ = ["Driven", "Structure"]
+
+FloatArray = NDArray[np.float64]
+
+
+class Driven(NamedTuple):
+    """What is driven, and forces of loads that act besides, (L,) [N]; see :meth:`System.driven`."""
+
+    drive: Drive
+    kept: FloatArray
+
+
+def _count(bodies: int) -> str:
+    return "1 body" if bodies == 1 else f"{bodies} bodies"
+
+
+class Structure:
+    """Discretizes a specimen for a refined region, and again when the region changes.
+
+    Parameters
+    ----------
+    case : Case
+        What is broken.
+    full : bool
+        Every nucleus is fine, for good.
+
+    Raises
+    ------
+    InputError
+        Something in the case cannot be built.
+
+    Attributes
+    ----------
+    notices : tuple of Notice
+        What looks wrong in the case, although it can be built.
+    domain, nuclei : Domain, Nuclei
+        The specimen, and all its fine nuclei.
+    field : RandomField or None
+        Relative strength as a function of position; None where it is the same everywhere.
+    layout : Layout
+        What decides the current discretization.
+    system : System
+        Its equations.
+    driven : Driven or None
+        What the current equations drive; None for the load of the last stage alone.
+    compliance : float or None
+        Controlled quantity per unit load of the undamaged structure at full resolution [m/N]; known when calibration
+        has needed it.
+    """
+
+    def __init__(self, case: Case, *, full: bool) -> None:
+        self._case, self._full = case, full
+        self._criterion = criterion_named(case.adaptivity.criterion)
+        found = described(case)
+        self._law, self._material, self._elastic = found.law, found.materials, found.elastic
+        self.domain, self._conditions, self.notices = found.domain, found.conditions, found.notices
+        self.field = field_from_case(case)
+        self._team = Team(case.solver.threads)
+        self.nuclei = nuclei_from_case(case, self.domain)
+        self.layout = Layout(region_from_case(case, self.domain, full=full), Coarsening(self.nuclei.x))
+        if self._elastic.contains(self.nuclei.x).all():  # facets between nuclei may lie outside all the same
+            check_not_everywhere(self._elastic, self._whole().contacts.centroid)
+        self.compliance: float | None = None
+        start = self._discretized(self.layout.region)
+        check_places(self._conditions, self.nuclei, case.discretization.l_f, start=False)
+        if not len(start.contacts) and len(start) < len(self.nuclei):
+            raise InputError(
+                "discretization.l_c",
+                f"{case.discretization.l_c:g} m: the start has {_count(len(start))} without any contact",
+                f"less; l_f = {case.discretization.l_f:g} m, the least, starts with all {len(self.nuclei)} bodies",
+            )
+        if not full:
+            check_places(self._conditions, start, case.discretization.l_f, start=True)
+        self.driven: Driven | None = None
+        self.system = self._equations(start)
+
+    def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
+        found = discretize(self.nuclei, self.domain, region.spacing(self.nuclei.x), previous)
+        return replace(found, cells=None) if self._full else found  # nothing will change there
+
+    def _whole(self) -> Tessellation:
+        """Full resolution, without what only another discretization of the specimen needs."""
+        return self._discretized(replace(self.layout.region, everywhere=True)).without_shapes()
+
+    def _equations(self, tessellation: Tessellation) -> System:
+        return System(
+            tessellation,
+            self._material,
+            self._law,
+            self._conditions,
+            self._case.solver.linear,
+            self._elastic,
+            self.field,
+            self._team,
+        )
+
+    def _calibrated(self, system: System) -> System:
+        """The same equations, their elastic part calibrated when the case asks for that."""
+        if self._full or not self._case.adaptivity.calibrate:
+            return system
+        if self.compliance is None:
+            self.compliance = gauge_compliance(self._equations(self._whole()))
+        return calibrated(system, self.compliance, self.system.elastic_scale)
+
+    @property
+    def conditions(self) -> Conditions:
+        """Supports, loads and gauges."""
+        return self._conditions
+
+    def calibrate(self) -> System:
+        """Calibrate the equations of the start, and return them.
+
+        Raises
+        ------
+        SingularMatrixError
+            The structure is a mechanism.
+        """
+        self._change(self.layout, self._calibrated(self.system))
+        return self.system
+
+    def at(self, layout: Layout, driven: Driven | None) -> System:
+        """The equations of a layout of this specimen under what is driven; made again unless they are the current ones.
+
+        Parameters
+        ----------
+        layout : Layout
+            What is fine.
+        driven : Driven or None
+            What is driven; None for the load of the last stage alone.
+        """
+        if layout is not self.layout or not _same(driven, self.driven):
+            system = self._equations(self._discretized(layout.region, self.system.tessellation))
+            scale = layout.elastic_scale
+            self.layout, self.driven = layout, driven
+            self.system = self._under(system if scale == 1.0 else system.scaled(scale))
+        return self.system
+
+    def drive(self, driven: Driven) -> System:
+        """Let other loads be driven, and return the equations."""
+        self.driven = driven
+        self.system = self._under(self.system)
+        return self.system
+
+    def _under(self, system: System) -> System:
+        """Equations with what is driven now."""
+        return system if self.driven is None else system.driven(*self.driven)
+
+    def assess(self, response: Response, load: float) -> tuple[ElasticState, FloatArray]:
+        """How near to failure elastic bodies are.
+
+        Parameters
+        ----------
+        response : Response
+            A state of equilibrium on the current discretization.
+        load : float
+            Its load [N].
+
+        Returns
+        -------
+        state : ElasticState
+            What the criterion looks at.
+        criterion : (n,) array
+            Its value, 1 at strength; nan for fine bodies.
+        """
+        system, tessellation = self.system, self.system.tessellation
+        state = ElasticState(
+            tessellation,
+            system.stress(response, load),
+            system.strength,
+            system.elastic_utilisation(response),
+            self._elastic.contains(tessellation.x),
+        )
+        return state, np.where(tessellation.fine, np.nan, self._criterion(state))
+
+    def refine(self, centers: FloatArray) -> System:
+        """Refine around critical centres, shape (k, 3), and return the new equations.
+
+        Raises
+        ------
+        InputError, SingularMatrixError
+            The refined discretization cannot be used.
+        """
+        layout = self.layout.refined(centers)
+        self._change(layout, self._changed(layout.region))
+        return self.system
+
+    def coarsen(self, response: Response, settle: Callable[[System], None]) -> bool:
+        """Give up what is fine and not needed any more after an accepted step.
+
+        Parameters
+        ----------
+        response : Response
+            The accepted state.
+        settle : callable
+            Takes the new equations for the state.
+
+        Returns
+        -------
+        bool
+            Whether anything changed.
+
+        Raises
+        ------
+        InputError, SingularMatrixError
+            The coarser discretization cannot be used; then, and after an error of `settle`, nothing has changed.
+        """
+        if self._full or not self._case.adaptivity.coarsen or self.layout.stays_fine:
+            return False
+        self.layout = layout = replace(self.layout, coarsening=self.layout.coarsening.stepped())
+        system = self.system
+        needed = needed_bodies(
+            system.tessellation,
+            system.active,
+            system.law,
+            response.strain[system.active],
+            response.history,
+            self._case.adaptivity.gamma_coarse,
+        )
+        region = layout.coarsening.smaller(layout.region, system.tessellation, needed)
+        if region is None:
+            return False
+        changed = self._changed(region)
+        settle(changed)
+        self._change(layout.coarsened(region), changed)
+        return True
+
+    def keep_fine(self) -> None:
+        """Never coarsen again."""
+        self.layout = replace(self.layout, stays_fine=True)
+
+    def _change(self, layout: Layout, system: System) -> None:
+        """Go over to another layout, but for its factor, and to its equations."""
+        self.layout, self.system = replace(layout, elastic_scale=system.elastic_scale), system
+
+    def _changed(self, region: RefinedRegion) -> System:
+        """Equations for another region."""
+        return self._under(self._calibrated(self._equations(self._discretized(region, self.system.tessellation))))
+
+
+def _same(one: Driven | None, other: Driven | None) -> bool:
+    """Whether the same is driven."""
+    if one is None or other is None:
+        return one is other
+    return one.drive is other.drive and np.array_equal(one.kept, other.kept)
