@@ -35,7 +35,7 @@ from elastic_specimens import (
     solved,
     system_of,
 )
-from fissura.case.macroscopic import bulk_law
+from fissura.case.macroscopic import macroscopic_elasticity
 
 #: Radii of holes and diameters of cylinders, which are twice as long, in spacings.
 HOLES, CYLINDERS = (4.0, 8.0, 12.0), (6.0, 10.0, 15.0)
@@ -114,7 +114,7 @@ def _groups(rows: list[dict[str, Any]], name: str) -> Iterable[tuple[tuple[float
 
 
 def _markdown(rows: list[dict[str, Any]], seeds: int) -> str:
-    modulus, poisson = bulk_law().macroscopic(E, ALPHA)
+    modulus, poisson = macroscopic_elasticity().macroscopic(E, ALPHA)
     names = {row["case"] for row in rows}
     parts = ["## Closed forms", TEXT.format(modulus=modulus / 1e9, poisson=poisson, seeds=seeds)]
     if "kirsch" in names:

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from common import ROOT, Check, Report, main, options, say, table
-from fissura.case.macroscopic import bulk_law, voigt
+from fissura.case.macroscopic import macroscopic_elasticity, voigt
 from fissura.contact import body_stress, contact_strains
 from fissura.elasticity.homogenise import Homogenisation
 from fissura.elasticity.pictures import SPARSE, plot_alpha, plot_size
@@ -108,7 +108,7 @@ def _loose() -> tuple[int, list[float]]:
 
 def _inverse(E: float, nu: float) -> dict[str, Any]:
     """Contact constants for wanted ones, and what fresh structures make of them."""
-    contact, alpha = bulk_law().contact(E, nu)
+    contact, alpha = macroscopic_elasticity().contact(E, nu)
     found = [isotropic_part(_bulk(10.0, seed).stiffness(alpha, contact)) for seed in FRESH]
     return {
         "kind": "inverse",
@@ -179,7 +179,7 @@ def _markdown(
     seeds: int,
 ) -> str:
     sparse = {alpha: (E, nu) for alpha, E, nu in SPARSE}
-    law = bulk_law()
+    law = macroscopic_elasticity()
     bulk = []
     for row in result.of("periodic", size=SIZES[-1]):
         (ratio, nu), known, old = voigt(row.alpha), law.macroscopic(1.0, row.alpha), sparse[row.alpha]
@@ -247,7 +247,7 @@ def _markdown(
 def _checks(
     result: Study, layer: dict[float, tuple[FloatArray, FloatArray]], inverse: list[dict[str, Any]], scale: float
 ) -> list[Check]:
-    law = bulk_law()
+    law = macroscopic_elasticity()
     cells = result.of("periodic", size=SIZES[-1])
     off = max(abs(row.E.mean() / law.macroscopic(1.0, row.alpha)[0] - 1.0) for row in cells)
     exact = max(float(np.abs(row.E - (1.0 - 2.0 * row.nu)).max()) for row in result.of("periodic"))

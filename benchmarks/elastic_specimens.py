@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from fissura.adaptivity import region_from_case
 from fissura.case import Case, Patch, case_from_dict
-from fissura.case.macroscopic import bulk_law
+from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System, attach
 from fissura.material import material_from_case
@@ -138,7 +138,7 @@ def averaged(x: FloatArray, radius: float) -> FloatArray:
 def edge(case: Case, system: System, u: FloatArray, radius: float) -> dict[str, float]:
     """How the hole becomes an ellipse: both diameters over those of the closed form."""
     place = place_from_part(Patch.model_validate({"face": "hole"}), domain_from_case(case), L_F, "gauge")
-    modulus, _ = bulk_law().macroscopic(E, ALPHA)
+    modulus, _ = macroscopic_elasticity().macroscopic(E, ALPHA)
     out = {}
     for name, axis, factor in (("opening", 0, 3.0), ("closing", 1, -1.0)):
         shape = place.weights * place.points[:, axis]
@@ -166,7 +166,7 @@ def cylinder(spacings: float, seed: int) -> Case:
 
 def axial_stiffness(system: System, u: FloatArray, spacings: float) -> dict[str, float]:
     """Stiffness of a cylinder over ``E A / L``, from the mean displacements of its ends and from bodies inside."""
-    modulus, _ = bulk_law().macroscopic(E, ALPHA)
+    modulus, _ = macroscopic_elasticity().macroscopic(E, ALPHA)
     diameter = spacings * L_F
     length = 2.0 * diameter
     theory = modulus * 0.25 * np.pi * diameter**2
@@ -191,7 +191,7 @@ def frame(slender: float, seed: int) -> Case:
 
 def beam_theory(slender: float) -> float:
     """Displacement of the tip of a frame under unit force: both legs bend, the arm shears, the leg is stretched."""
-    modulus, poisson = bulk_law().macroscopic(E, ALPHA)
+    modulus, poisson = macroscopic_elasticity().macroscopic(E, ALPHA)
     depth = DEPTH * L_F
     area, inertia = depth**2, depth**4 / 12.0
     length = slender * depth - 0.5 * depth

@@ -29,7 +29,7 @@ from fissura.equilibrium import System
 from fissura.linear.amg import SmoothedAggregation
 from fissura.linear.direct import best_solver
 from fissura.linear.two_level import TwoLevel
-from fissura.machine.kernel_threads import Team
+from fissura.machine.kernel_threads import KernelThreads
 from fissura.material import material_from_case
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import discretize, nuclei_from_case
@@ -215,16 +215,16 @@ def _team_rows(name: str, seed: int, size: int) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for domains, threads in TEAMS:
         times: list[tuple[float, ...]] = []
-        team = Team(threads)
+        workers = KernelThreads(threads)
         for _ in range(REPEATS):
             clocks = (time.process_time, time.thread_time, time.perf_counter)
             begin = [clock() for clock in clocks]
-            solver = TwoLevel(system.pattern, x, TOLERANCE, reference=data, team=team, domains=domains)
+            solver = TwoLevel(system.pattern, x, TOLERANCE, reference=data, threads=workers, domains=domains)
             solver.factor(data, symmetric=True)
             u = solver.solve(system.load)
             times.append(tuple(1e6 * (clock() - b) / len(x) for clock, b in zip(clocks, begin, strict=True)))
         total, busiest, wall = np.median(times, axis=0)
-        row = {"kind": "team", "bodies": len(x), "domains": domains, "threads": threads, "hash": hash(u.tobytes())}
+        row = {"kind": "threads", "bodies": len(x), "domains": domains, "threads": threads, "hash": hash(u.tobytes())}
         row |= {"tail": 100 * solver.tail, "iterations": solver.iterations, "total": total, "busiest": busiest}
         rows.append(row | {"clock": wall})
     return rows
@@ -310,7 +310,7 @@ def _cells(rows: list[dict[str, Any]], columns: list[tuple[str, str, str]]) -> s
 
 
 def _markdown(rows: list[dict[str, Any]]) -> str:
-    beams, bars, teams = ([row for row in rows if row["kind"] == kind] for kind in ("size", "bar", "team"))
+    beams, bars, teams = ([row for row in rows if row["kind"] == kind] for kind in ("size", "bar", "threads"))
     parts = ["## Linear solvers", TEXT, _lines(beams, COLUMNS), "### Direct solver and smoothed aggregation", COMPARED]
     parts += [_lines(beams, RATIOS), _crossing(beams), "### Memory", REMEMBERED, _lines(beams, MEMORIES)]
     parts += ["### Whole faces held", FACES, _lines(bars, HELD), "### Threads", THREADS, _cells(teams, TEAM_COLUMNS)]
@@ -338,12 +338,12 @@ def _checks(rows: list[dict[str, Any]]) -> list[Check]:
     memory = max(row["memory_two-level"] + row["memory_matrix"] for row in beams if row["bodies"] > AUTO)
     return [
         Check("cost per body, 100 000 bodies over 10 000", growth, GROWTH),
-        *_team_checks([row for row in rows if row["kind"] == "team"]),
+        *_team_checks([row for row in rows if row["kind"] == "threads"]),
         Check("direct over two-level at 30 000", min(r["direct_ratio"] for r in near(30_000)), OVER_DIRECT, True),
         Check("amg over two-level", min(row["amg_ratio"] for row in beams), OVER_AMG, True),
         Check(
             f"products from {AUTO} bodies on",
-            max(r["products"] for r in rows if r["kind"] != "team" and r["bodies"] > AUTO),
+            max(r["products"] for r in rows if r["kind"] != "threads" and r["bodies"] > AUTO),
             PRODUCTS,
         ),
         Check("peak memory with the matrix, kB per body", memory, MEMORY),

@@ -19,11 +19,12 @@ from common import Check, Report, main, measured, options, say, table
 from fissura import Case
 from fissura.case import case_from_dict
 
-NAME = "src/fissura/elasticity/bulk_tension.csv"
+NAME = "src/fissura/elasticity/macroscopic_tension.csv"
 HEAD = """\
 # Strength over f_t, and dissipated energy over section and G_t, of prisms in direct tension: mean, standard deviation.
 # width, length: of the part that may crack, in l_f; brittleness: l_t / l_f. Other ratios are the defaults (f_s = 3 f_t,
-# f_c = 16 f_t, G_s = 16 G_t). Made by: python benchmarks/meaning.py --table src/fissura/elasticity/bulk_tension.csv
+# f_c = 16 f_t, G_s = 16 G_t). Made by:
+# python benchmarks/meaning.py --table src/fissura/elasticity/macroscopic_tension.csv
 """
 
 L_F, F_T, MODULUS = 0.01, 2.2e6, 60e9

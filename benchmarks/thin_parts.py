@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from common import Check, Report, main, options, say, shown, table
 from fissura.adaptivity import gauge_compliance
 from fissura.case import Case, case_from_dict
-from fissura.case.macroscopic import bulk_law
+from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import System
 from fissura.material import material_from_case
@@ -85,7 +85,7 @@ def _system(case: Case, conditions: Conditions | None = None) -> System:
 
 
 def _prisms(seed: int) -> list[dict[str, Any]]:
-    modulus, poisson = bulk_law().macroscopic(E, ALPHA)
+    modulus, poisson = macroscopic_elasticity().macroscopic(E, ALPHA)
     rows = []
     for spacings in PRISMS:
         side = spacings * L_F
@@ -166,7 +166,7 @@ def _ligaments(seed: int) -> list[dict[str, Any]]:
 
 def _tada(share: float, width: float) -> float:
     """Load over crack mouth opening of a beam with span of four depths [N/m]."""
-    modulus, _ = bulk_law().macroscopic(E, ALPHA)
+    modulus, _ = macroscopic_elasticity().macroscopic(E, ALPHA)
     shape = 0.76 - 2.28 * share + 3.87 * share**2 - 2.04 * share**3 + 0.66 / (1.0 - share) ** 2
     return modulus * width / (24.0 * share * shape)
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from common import Check, Report, Run, changed, difference, example, main, measured, options, say, shown, table
 from fissura import Case
-from fissura.elasticity.tension import bulk_tension
+from fissura.elasticity.tension import macroscopic_tension
 from fissura.results.compare import compare_results
 from plane_stress import panel_stiffness
 from winkler_curves import LIGAMENT, NAME, Curve, inclination
@@ -41,7 +41,7 @@ Plane-stress finite elements with the quoted `E` and a fixed foot have a stiffne
 def contacts(energy: float, spacing: float) -> tuple[float, float]:
     """Contacts' `f_t` [Pa] and `G_t` [J/m^2] for the quoted strength and a fracture energy, by the table of prisms."""
     material = example(NAME, 1).material
-    return bulk_tension().contact(STRENGTH, energy, material.E, material.alpha, spacing)
+    return macroscopic_tension().contact(STRENGTH, energy, material.E, material.alpha, spacing)
 
 
 def produce(found: argparse.Namespace) -> Report:

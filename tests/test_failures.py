@@ -13,7 +13,7 @@ from equilibrium.models import beam
 from fissura.equilibrium import StepSolver
 from fissura.errors import InputError, RunStopped
 from fissura.linear import SingularMatrixError
-from fissura.simulation.discretization import Structure
+from fissura.simulation.discretization import Discretization
 from fissura.simulation.loop import Simulation
 
 REFINING = {
@@ -90,7 +90,7 @@ def test_a_failing_refinement_stops_the_run(name, monkeypatch):
 
 def test_all_steps_before_a_failure_are_saved(tmp_path, monkeypatch):
     expected = [s.load for s in undisturbed()[:3]]
-    Broken(monkeypatch, Structure, "assess", np.linalg.LinAlgError("no eigenvalues"), after=3)
+    Broken(monkeypatch, Discretization, "assess", np.linalg.LinAlgError("no eigenvalues"), after=3)
     with pytest.raises(RunStopped, match="no eigenvalues") as caught:
         fissura.run(beam(**REFINING), output=tmp_path)
     result = caught.value.result
@@ -144,7 +144,7 @@ def coarsened():
 
 
 def fail_in_coarsening(where, error, monkeypatch):
-    original = Structure.coarsen
+    original = Discretization.coarsen
 
     def failing(self, *args):
         with monkeypatch.context() as inside:
@@ -156,7 +156,7 @@ def fail_in_coarsening(where, error, monkeypatch):
             )
             return original(self, *args)
 
-    monkeypatch.setattr(Structure, "coarsen", failing)
+    monkeypatch.setattr(Discretization, "coarsen", failing)
 
 
 @every_error
@@ -198,8 +198,8 @@ def test_a_failing_coarsening_is_a_warning_of_the_summary(giving_up, monkeypatch
 
 
 def test_nothing_is_made_coarse_after_the_last_step(giving_up, monkeypatch):
-    called, original = [], Structure.coarsen
-    monkeypatch.setattr(Structure, "coarsen", lambda self, *args: called.append(1) or original(self, *args))
+    called, original = [], Discretization.coarsen
+    monkeypatch.setattr(Discretization, "coarsen", lambda self, *args: called.append(1) or original(self, *args))
     simulation = Simulation(beam(**{**EAGER, "control": {"target": 1e-6}}))
     steps = list(simulation.steps())
     assert len(called) == len(steps) - 1

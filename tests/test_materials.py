@@ -12,7 +12,7 @@ from fissura.contact import CusatisCedolin, limits_from_case
 from fissura.equilibrium import System, settle
 from fissura.errors import InputError
 from fissura.material import Material, Materials, Regions, joined, material_from_case, materials_from_case
-from fissura.simulation.discretization import Structure
+from fissura.simulation.discretization import Discretization
 from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import tessellate
@@ -137,7 +137,7 @@ def test_the_crack_is_in_the_weaker_half(full):
 
 
 def test_strength_of_bodies_is_that_of_their_material():
-    system = Structure(bar(materials=[{"region": RIGHT, "f_t": 1.6e6}]), full=True).system
+    system = Discretization(bar(materials=[{"region": RIGHT, "f_t": 1.6e6}]), full=True).system
     expected = np.where(system.tessellation.x[:, 0] >= 0.5 * LENGTH, 1.6e6, 2.2e6)
     np.testing.assert_array_equal(system.strength, expected)
 

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from fissura.case import case_from_dict
 from fissura.equilibrium import settle
 from fissura.errors import InputError
-from fissura.simulation.discretization import Structure
+from fissura.simulation.discretization import Discretization
 from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
 
@@ -31,7 +31,7 @@ def prism(contact="glued", turning="held", alpha=1.0, seed=1, **tables):
 
 
 def elastic(case, full=True, value=1e-6):
-    system = Structure(case, full=full).system
+    system = Discretization(case, full=full).system
     return system, settle(system, system.virgin(), value)
 
 
@@ -71,7 +71,7 @@ def test_areas_under_platens():
         "box": ({"face": "top", "box": {"lower": [0.003, HEIGHT, 0.0], "upper": [0.02, HEIGHT, 0.011]}}, 0.017 * 0.011),
     }
     for place, area in places.values():
-        system = Structure(prism(load={**place, "platen": "glued"}), full=True).system
+        system = Discretization(prism(load={**place, "platen": "glued"}), full=True).system
         own = system.platens.contacts[1]
         contacts = system.platens.tessellation.contacts
         assert contacts.area[own].sum() == pytest.approx(area, rel=1e-9)
@@ -87,7 +87,7 @@ def test_areas_under_platens():
             "control": {"type": "displacement", "target": 1e-4},
         }
     )
-    system = Structure(disc, full=True).system
+    system = Discretization(disc, full=True).system
     for own in system.platens.contacts:
         parts = system.platens.tessellation.contacts
         assert parts.area[own].sum() == pytest.approx(0.06 * np.arcsin(0.01 / 0.06) * 0.03, rel=0.01)

@@ -13,7 +13,7 @@ from fissura.api.check import check
 from fissura.case import case_from_dict
 from fissura.equilibrium import settle
 from fissura.errors import InputError, RunStopped
-from fissura.simulation.discretization import Structure
+from fissura.simulation.discretization import Discretization
 from fissura.simulation.loop import Simulation
 
 A, B = {"face": "top", "at": 0.04}, {"face": "top", "at": 0.07}
@@ -81,7 +81,7 @@ def test_every_run_refines(name):
 
 
 def test_superposition_of_elastic_loads():
-    system = Structure(small_beam(**TWO, stage={"load": "a", "to": "1 um"}), full=True).system
+    system = Discretization(small_beam(**TWO, stage={"load": "a", "to": "1 um"}), full=True).system
     nothing, history = np.zeros(2), system.virgin()
 
     def under(*forces):
@@ -97,7 +97,7 @@ def test_superposition_of_elastic_loads():
 
 def test_work_is_mutual():
     """Betti: one load works as much on the displacements of the other as that on its own."""
-    system = Structure(small_beam(**TWO, stage={"load": "a", "to": "1 um"}), full=True).system
+    system = Discretization(small_beam(**TWO, stage={"load": "a", "to": "1 um"}), full=True).system
     rows, history = system.acting.load_rows, system.virgin()
     found = []
     for k in range(2):
@@ -193,7 +193,7 @@ def test_the_weight_is_the_same_at_every_resolution():
     """Its resultant is that of the specimen's volume, in its centroid."""
     case = small_beam(gravity={"density": 2400.0, "direction": [0.6, -0.8, 0.0]}, notch=[])
     for full in (True, False):
-        structure = Structure(case, full=full)
+        structure = Discretization(case, full=full)
         system, weight = structure.system, structure.conditions.weight
         assert weight.size == pytest.approx(2400.0 * 9.81 * structure.domain.volume, rel=1e-12)
         row = (system.acting.load_rows[[1]].toarray()).reshape(-1, 6)

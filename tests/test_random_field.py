@@ -67,7 +67,7 @@ def test_adaptive_and_full_runs_see_the_same_field(criterion, r_f, apart):
 
 def test_criterion_uses_local_strength():
     """Utilisation of coarse contacts is that of the mean material over the local relative strength; so is Rankine's."""
-    plain, random = (Simulation(beam(**REFINING, **extra))._structure.system for extra in ({}, {"field": FIELD}))
+    plain, random = (Simulation(beam(**REFINING, **extra))._discretization.system for extra in ({}, {"field": FIELD}))
     u = np.random.default_rng(1).normal(size=random.size) * 1e-6
     one, other = (s.elastic_utilisation(s.response(u, s.virgin())) for s in (plain, random))
     assert len(random.coarse) > 20
@@ -92,14 +92,14 @@ def test_twice_the_same():
 def test_elastic_regions_keep_their_mean():
     region = {"type": "box", "lower": [0.0, 0.0, 0.0], "upper": [0.03, 0.04, 0.02]}
     material = {"elastic": [region]}
-    system = Simulation(beam(field=FIELD, material=material))._structure.system
+    system = Simulation(beam(field=FIELD, material=material))._discretization.system
     inside = system.tessellation.contacts.centroid[:, 0] < 0.03
     assert (system.contact_factor[inside] == 1.0).all()
     assert (system.contact_factor[~inside] != 1.0).all()
 
 
 def test_energy_with_a_field_of_its_own():
-    system = Simulation(beam(field={**FIELD, "energy": {"cross_correlation": 0.5, "cov": 0.15}}))._structure.system
+    system = Simulation(beam(field={**FIELD, "energy": {"cross_correlation": 0.5, "cov": 0.15}}))._discretization.system
     x = system.tessellation.contacts.centroid[system.active]
     h, g = system.field.strength(x), system.field.energy(x)
     m, length = system.law.material, system.tessellation.contacts.length[system.active]

@@ -116,7 +116,7 @@ def test_a_stopped_run_tries_the_step_again(tmp_path, no_pictures, monkeypatch):
     case = build("refinement")
     fissura.run(case, output=tmp_path / "run")
     with monkeypatch.context() as inside:
-        inside.setattr("fissura.simulation.discretization.Structure.refine", partial(_fails, MemoryError()))
+        inside.setattr("fissura.simulation.discretization.Discretization.refine", partial(_fails, MemoryError()))
         with pytest.raises(RunStopped):
             fissura.run(case, output=tmp_path / "again")
     assert summary(tmp_path / "again")["status"] == "stopped"

@@ -20,7 +20,7 @@ from predicted import LINE, MEAN, Predicted
 
 from common import ROOT, Check, Report, example, main, options, shown, table
 from fissura import Case
-from fissura.elasticity.tension import bulk_tension
+from fissura.elasticity.tension import macroscopic_tension
 from fissura.pictures.curves import DPI, INK, headline, tidy
 from fissura.pictures.lettering import save
 
@@ -39,7 +39,7 @@ def concrete(case: Case, strength: float, energy: float, l_f: float | None = Non
     """The case with contacts for a tensile strength [Pa] and a fracture energy [J/m^2] of the concrete."""
     l_f = case.discretization.l_f if l_f is None else l_f
     material = case.material
-    f_t, G_t = bulk_tension().contact(strength, energy, material.E, material.alpha, l_f)
+    f_t, G_t = macroscopic_tension().contact(strength, energy, material.E, material.alpha, l_f)
     return case.with_(
         {"material.f_t": f_t, "material.G_t": G_t, "discretization.l_f": l_f, "discretization.l_c": 4.0 * l_f}
     )

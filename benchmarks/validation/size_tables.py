@@ -15,8 +15,8 @@ from size_beams import DEPTHS, NOTCHES, TAIL, WORK
 
 from common import shown, table
 from fissura import Case
-from fissura.case.macroscopic import bulk_law
-from fissura.elasticity.tension import bulk_tension
+from fissura.case.macroscopic import macroscopic_elasticity
+from fissura.elasticity.tension import macroscopic_tension
 from fissura.pictures.curves import DPI, INK, headline, legend, tidy
 from fissura.pictures.lettering import save
 
@@ -36,7 +36,7 @@ def series(rows: list[dict[str, Any]], *notches: float) -> tuple[list[float], li
 
 
 def whole_modulus(fitted: Case) -> float:
-    return float(bulk_law().macroscopic(fitted.material.E, fitted.material.alpha)[0])
+    return float(macroscopic_elasticity().macroscopic(fitted.material.E, fitted.material.alpha)[0])
 
 
 def _with(value: float, error: float, digits: int) -> str:
@@ -162,7 +162,7 @@ def _table_of_energies(rows: list[dict[str, Any]], fitted: Case) -> str:
     both = size_laws.together(*series(rows, *NOTCHES[1:]), whole_modulus(fitted))
     works = [row["work_J_m2"] for row in rows if row["kind"] == "work"]
     brittleness = 2.0 * material.E * unit / material.f_t**2 / fitted.discretization.l_f
-    prisms = [unit * bound for bound in bulk_tension().energy(brittleness, material.alpha)]
+    prisms = [unit * bound for bound in macroscopic_tension().energy(brittleness, material.alpha)]
     heads = ["energy", "[J/m²]", "over G_t"]
     lines = [
         ["`G_t`, of the contacts", f"{unit:g}", "1"],

@@ -13,11 +13,11 @@ from changes import replaced
 from conftest import SMALL_BEAM
 from fissura.api.check import check
 from fissura.case import case_from_dict
-from fissura.case.macroscopic import BulkLaw, bulk_law, voigt
+from fissura.case.macroscopic import MacroscopicElasticity, macroscopic_elasticity, voigt
 from fissura.cli import app
 from fissura.errors import InputError
 
-LAW = bulk_law()
+LAW = macroscopic_elasticity()
 
 REFERENCE = [
     (0.0123, 0.3572359736361473),
@@ -46,7 +46,7 @@ def test_values_between_those_of_the_table(alpha, nu):
 @given(st.lists(st.floats(0.01, 1.0), min_size=5, max_size=5), st.floats(0.0, 1.0))
 def test_any_descending_table_is_interpolated_without_bumps(falls, share):
     nu = tuple(float(value) for value in np.cumsum(falls[::-1])[::-1] - falls[-1])
-    law = BulkLaw((0.04, 0.09, 0.25, 0.64, 1.0), nu, (0.0,) * 5)
+    law = MacroscopicElasticity((0.04, 0.09, 0.25, 0.64, 1.0), nu, (0.0,) * 5)
     k = min(sum(place <= share for place in (0.25, 0.5, 0.75)), 3)  # one of the four intervals, and where in it
     low, high = (math.sqrt(law.alpha[i]) for i in (k, k + 1))
     assert nu[k + 1] - 1e-14 <= law._value(low + (4 * share - k) * (high - low)) <= nu[k] + 1e-14
@@ -54,7 +54,7 @@ def test_any_descending_table_is_interpolated_without_bumps(falls, share):
 
 def test_half_of_the_table_predicts_the_other_half():
     """Interpolation errs by less than the table, even with twice the distances."""
-    half = BulkLaw(LAW.alpha[::2], LAW.nu[::2], LAW.error[::2])
+    half = MacroscopicElasticity(LAW.alpha[::2], LAW.nu[::2], LAW.error[::2])
     off = [half.macroscopic(1.0, a)[0] / (1.0 - 2.0 * nu) - 1.0 for a, nu in zip(LAW.alpha, LAW.nu, strict=True)]
     assert max(map(abs, off)) < 2.5e-4
 

@@ -84,7 +84,7 @@ def test_nuclei_of_a_file_need_memory_too(tmp_path: Path, monkeypatch: pytest.Mo
 @pytest.mark.parametrize(
     ("place", "key"),
     [
-        ("fissura.simulation.loop.Structure", "discretization.l_f"),
+        ("fissura.simulation.loop.Discretization", "discretization.l_f"),
         ("fissura.material.field.field._expanded", "field.length"),
     ],
 )

@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
-from fissura.case.macroscopic import bulk_law
+from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.cli import app
-from fissura.elasticity.tension import BulkTension, Prisms, bulk_tension
+from fissura.elasticity.tension import MacroscopicTension, Prisms, macroscopic_tension
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
-KNOWN = BulkTension(
+KNOWN = MacroscopicTension(
     (
         Prisms(4.0, 8.0, 80.0, 0.3, 5, 1.2, 0.05, 2.0, 0.4),
         Prisms(6.0, 12.0, 80.0, 0.3, 5, 1.1, 0.02, 1.9, 0.2),
@@ -53,7 +53,7 @@ def test_brittleness_and_alpha_change_both_ends(
 
 
 def test_the_table_of_the_package() -> None:
-    known = bulk_tension()
+    known = macroscopic_tension()
     assert len(known.shapes) >= 3
     assert known.limits("brittleness")[0] < 87.0 < known.limits("brittleness")[1]
     assert known.limits("alpha")[0] < 0.29 < known.limits("alpha")[1]
@@ -65,10 +65,10 @@ def test_the_table_of_the_package() -> None:
 @given(st.floats(0.5e6, 10e6), st.floats(5.0, 500.0), st.floats(0.05, 1.0), st.floats(1e-3, 0.1))
 def test_contacts_for_a_wanted_whole(strength: float, energy: float, alpha: float, l_f: float) -> None:
     """Their ranges have the wanted values in the middle."""
-    f_t, G_t = bulk_tension().contact(strength, energy, 60e9, alpha, l_f)
+    f_t, G_t = macroscopic_tension().contact(strength, energy, 60e9, alpha, l_f)
     brittleness = 2.0 * 60e9 * G_t / f_t**2 / l_f
-    assert 0.5 * sum(bulk_tension().strength(brittleness, alpha)) * f_t == pytest.approx(strength, rel=1e-9)
-    assert 0.5 * sum(bulk_tension().energy(brittleness, alpha)) * G_t == pytest.approx(energy, rel=1e-9)
+    assert 0.5 * sum(macroscopic_tension().strength(brittleness, alpha)) * f_t == pytest.approx(strength, rel=1e-9)
+    assert 0.5 * sum(macroscopic_tension().energy(brittleness, alpha)) * G_t == pytest.approx(energy, rel=1e-9)
 
 
 def test_the_command_finds_contacts_for_a_concrete() -> None:
@@ -76,8 +76,8 @@ def test_the_command_finds_contacts_for_a_concrete() -> None:
     done = CliRunner().invoke(app, ["elastic", *words])
     assert done.exit_code == 0, done.stderr
     rows = dict(line.split("  ", 1) for line in done.stdout.splitlines() if "  " in line)
-    E, alpha = bulk_law().contact(33.8e9, 0.2)
-    f_t, G_t = bulk_tension().contact(3.5e6, 125.0, E, alpha, 0.008)
+    E, alpha = macroscopic_elasticity().contact(33.8e9, 0.2)
+    f_t, G_t = macroscopic_tension().contact(3.5e6, 125.0, E, alpha, 0.008)
     assert rows["contacts: f_t, G_t"].strip() == f"{f_t / 1e6:.4g} MPa, {G_t:.4g} J/m^2"
     assert rows["in a case file"].endswith(f'f_t = "{f_t / 1e6:.4g} MPa", G_t = "{G_t:.4g} J/m^2" }}')
 
@@ -103,7 +103,7 @@ def test_the_command_shows_them_beside_the_elastic_constants() -> None:
     rows = dict(line.split("  ", 1) for line in done.stdout.splitlines() if "  " in line)
     rows = {name: text.strip() for name, text in rows.items()}
     assert rows["contacts: f_t, G_t"] == "2.2 MPa, 35 J/m^2"
-    low, high = bulk_tension().strength(2.0 * 60e9 * 35.0 / 2.2e6**2 / 0.01, 0.29)
+    low, high = macroscopic_tension().strength(2.0 * 60e9 * 35.0 / 2.2e6**2 / 0.01, 0.29)
     assert rows["whole: strength"] == f"{2.2 * low:.4g} MPa to {2.2 * high:.4g} MPa, {low:.2f} to {high:.2f} f_t"
     assert rows["whole: fracture energy"].endswith(" G_t")
     assert "but" not in rows
@@ -131,7 +131,7 @@ def test_a_prism_is_as_the_table_says(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", ["meaning.py"])
     import meaning
 
-    group = next(g for g in bulk_tension().groups if (g.width, g.length) == (4.0, 8.0))
+    group = next(g for g in macroscopic_tension().groups if (g.width, g.length) == (4.0, 8.0))
     found = meaning.broken("width 4", 11)
     assert found["finished"]
     spread = 4.0 * math.sqrt(1.0 + 1.0 / group.prisms)

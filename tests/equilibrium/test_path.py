@@ -248,7 +248,7 @@ def started(**control):
     scale[WEAK] = SHARE
     system.law = CusatisCedolin.create(BRITTLE, system.law.length, scale)
     simulation = Simulation(case, full=True)
-    simulation._structure.system = system
+    simulation._discretization.system = system
     return simulation
 
 

@@ -8,7 +8,7 @@ import pytest
 from equilibrium.models import beam, simple_leg
 from fissura.equilibrium import Goal, PathFollower, System
 from fissura.equilibrium.newton import settle
-from fissura.simulation.discretization import Structure
+from fissura.simulation.discretization import Discretization
 
 LONG = {"target": 1e-2}  # steps of 200 um at most, 50 um at first, 0.1 um at least
 
@@ -33,7 +33,7 @@ def test_the_first_step_ends_before_the_first_contact_is_at_its_strength():
 
 
 def test_the_limit_of_a_structure_is_where_its_first_contact_is_damaged():
-    structure = Structure(beam(), full=True)
+    structure = Discretization(beam(), full=True)
     system = structure.system
     assert isinstance(system, System)
     unit = settle(system, system.virgin(), 1.0)

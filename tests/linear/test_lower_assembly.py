@@ -15,7 +15,7 @@ from fissura.linear.dissection import dissected_order
 from fissura.linear.lower_assembly import assemble_lower
 from fissura.linear.symmetric import SymmetricSolver
 from fissura.linear.two_level import TwoLevel
-from fissura.machine.kernel_threads import Team
+from fissura.machine.kernel_threads import KernelThreads
 
 
 @pytest.fixture(scope="module", params=["full", "mixed", "clamped"])
@@ -47,7 +47,7 @@ def test_as_gathered_from_the_whole_matrix(system, domains):
     moduli[::3] = 0.0
     expected = lower.gather(assemble_secant(system.geometry, system.pattern, moduli))
     storage = np.full_like(expected, np.nan)
-    found = assemble_lower(system.geometry, system.pattern, lower, moduli, storage, Team(2))
+    found = assemble_lower(system.geometry, system.pattern, lower, moduli, storage, KernelThreads(2))
     assert found is storage
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-15 * np.abs(expected).max())
     np.testing.assert_array_equal(found, assemble_lower(system.geometry, system.pattern, lower, moduli))

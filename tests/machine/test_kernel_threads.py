@@ -11,7 +11,7 @@ from fissura.linear.blocks import held_bodies, lower_blocks, multiply
 from fissura.linear.dissection import dissected_order, domain_count
 from fissura.linear.krylov import _orthogonalized, _pieces, gmres
 from fissura.linear.two_level import TwoLevel
-from fissura.machine.kernel_threads import ALONE, Team
+from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 from fissura.machine.threads import VARIABLE
 
 FINE = {"discretization": {"l_f": 0.005, "l_c": 0.01}}
@@ -39,7 +39,7 @@ def dissected(sound):
 @pytest.mark.parametrize("threads", [1, 2, 3, 8])
 def test_every_piece_is_done_once_and_results_keep_their_order(threads):
     out, bounds = np.zeros(100), [0, 7, 7, 50, 90, 100]
-    assert Team(threads).run(_filled, bounds, out) == [7, 0, 43, 40, 10]
+    assert KernelThreads(threads).run(_filled, bounds, out) == [7, 0, 43, 40, 10]
     np.testing.assert_array_equal(out, np.arange(100))
 
 
@@ -50,23 +50,23 @@ def test_an_error_in_a_piece_comes_out():
 
     for threads in (1, 2):
         with pytest.raises(ValueError, match="piece"):
-            Team(threads).run(kernel, [0, 1, 2, 3])
+            KernelThreads(threads).run(kernel, [0, 1, 2, 3])
 
 
 def test_threads_are_as_many_as_asked_for(monkeypatch):
     monkeypatch.delenv(VARIABLE, raising=False)
-    assert 1 <= Team().threads <= 4
-    assert Team(7).threads == 7
+    assert 1 <= KernelThreads().count <= 4
+    assert KernelThreads(7).count == 7
     monkeypatch.setenv(VARIABLE, "3")
-    assert Team().threads == 3
-    assert Team(1).threads == 1
+    assert KernelThreads().count == 3
+    assert KernelThreads(1).count == 1
 
 
 @pytest.mark.parametrize("value", ["", "0", "-1", "two", "1.5", "²"])
 def test_a_wrong_number_in_the_environment_is_reported(monkeypatch, value):
     monkeypatch.setenv(VARIABLE, value)
     with pytest.raises(InputError, match=VARIABLE):
-        Team()
+        KernelThreads()
 
 
 def test_a_case_says_how_many_threads():
@@ -79,16 +79,16 @@ def test_a_case_says_how_many_threads():
 
 def test_a_run_uses_the_threads_of_its_case():
     case = case_from_dict(beam().model_dump() | {"solver": {"threads": 3}})
-    assert Simulation(case)._structure.system.team.threads == 3
+    assert Simulation(case)._discretization.system.threads.count == 3
 
 
 def test_a_small_structure_is_one_domain_and_starts_no_thread(sound):
-    team = Team(2)
-    solver = TwoLevel(sound.pattern, sound.tessellation.x, team=team)
+    threads = KernelThreads(2)
+    solver = TwoLevel(sound.pattern, sound.tessellation.x, threads=threads)
     solver.factor(sound.secant(sound.virgin()), symmetric=True)
     solver.solve(sound.load)
     assert [domain_count(n) for n in (1, 14_999, 15_000, 30_000, 10**6)] == [1, 1, 2, 4, 4]
-    assert team._pool is None
+    assert threads._pool is None
 
 
 def test_domains_do_not_touch_each_other(sound, dissected):
@@ -107,7 +107,7 @@ def test_product_is_that_of_the_matrix(sound, dissected):
     data = sound.secant(sound.virgin())
     u = np.random.default_rng(1).normal(size=(len(sound.tessellation), 6))
     expected = sound.pattern.product(data, u.ravel()).reshape(-1, 6)
-    found = multiply(dissected, dissected.gather(data, team=Team(2)), u[dissected.order], Team(2))
+    found = multiply(dissected, dissected.gather(data, threads=KernelThreads(2)), u[dissected.order], KernelThreads(2))
     np.testing.assert_allclose(found, expected[dissected.order], rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
@@ -130,7 +130,7 @@ def test_solutions_do_not_depend_on_the_number_of_threads(sound):
     history[::7, 0] = 0.99
     found = set()
     for threads in (1, 2, 3, 4, 2):
-        solver = TwoLevel(sound.pattern, sound.tessellation.x, team=Team(threads), domains=DOMAINS)
+        solver = TwoLevel(sound.pattern, sound.tessellation.x, threads=KernelThreads(threads), domains=DOMAINS)
         for data in (sound.secant(sound.virgin()), sound.secant(history)):
             solver.factor(data, symmetric=True)
         found.add((solver.solve(sound.load).tobytes(), solver.apply(sound.control).tobytes(), solver.iterations))
@@ -148,7 +148,7 @@ def test_pivots_that_fail_in_one_domain_are_mended_in_all(sound, monkeypatch):
         worse[row] *= 10.0
         found = set()
         for threads in (1, 2):
-            factor = IncompleteCholesky(form, Team(threads))
+            factor = IncompleteCholesky(form, KernelThreads(threads))
             factor.factor(worse)
             found.add((factor.share, factor.shifted, factor.solve(np.ones((len(form.order), 6))).tobytes()))
         assert len(found) == 1
@@ -167,7 +167,7 @@ def test_long_vectors_are_made_orthogonal_in_pieces():
     results = set()
     for threads in (1, 2, 4):
         image = start.copy()
-        *shares, left = _orthogonalized(basis, image, Team(threads))
+        *shares, left = _orthogonalized(basis, image, KernelThreads(threads))
         results.add(image.tobytes())
     assert len(results) == 1
     np.testing.assert_allclose([own @ image for own in basis], 0.0, atol=1e-10)
@@ -179,7 +179,8 @@ def test_gmres_is_the_same_for_any_team():
     n = 200_000
     diagonal = np.linspace(1.0, 3.0, n)
     found = {
-        gmres(lambda v: (v, diagonal * v), np.ones(n), 1e-8, 40, team).solution.tobytes() for team in (ALONE, Team(2))
+        gmres(lambda v: (v, diagonal * v), np.ones(n), 1e-8, 40, threads).solution.tobytes()
+        for threads in (SINGLE_THREAD, KernelThreads(2))
     }
     assert len(found) == 1
     np.testing.assert_allclose(diagonal * np.frombuffer(found.pop()), 1.0, atol=1e-6)
@@ -189,6 +190,6 @@ def test_gmres_is_the_same_for_any_team():
 def test_odd_numbers_of_threads_in_the_environment(monkeypatch, asked):
     monkeypatch.setenv(VARIABLE, asked)
     with pytest.raises(InputError, match="1 to 10000") as caught:
-        Team()
+        KernelThreads()
     assert caught.value.key == VARIABLE
     assert len(str(caught.value)) < 300

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from fissura.errors import InputError
 from fissura.pictures.moments import moments, plot_moments
-from fissura.pictures.side_view import COARSE, FINE, HEAT, Stage, look_of
+from fissura.pictures.side_view import COARSE, FINE, HEAT, SideView, look_of
 from fissura.pictures.support_symbols import symbols
 from fissura.results import Result, compare
 from fissura.results.comparison_files import save_bodies
@@ -58,7 +58,7 @@ def test_moments_of_short_runs(tmp_path, steps, numbers):
 def drawn(result, frame, look):
     figure = Figure(figsize=(6, 3))
     canvas = FigureCanvasAgg(figure)
-    Stage(figure.add_axes((0, 0, 1, 1)), result.case, look).show(frame)
+    SideView(figure.add_axes((0, 0, 1, 1)), result.case, look).show(frame)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3] / 255
 
@@ -81,7 +81,7 @@ def test_cracks_are_as_wide_as_the_gap(folders):
     result, frames = Result.load(folders / "adaptive"), read_history(folders / "adaptive")
     look = look_of(result.case, frames, magnify=40.0)
     figure = Figure()
-    stage = Stage(figure.add_subplot(), result.case, look)
+    stage = SideView(figure.add_subplot(), result.case, look)
     stage.show(frames[4])
     quads = np.array([path.vertices[:4] for path in stage._cracks.get_paths()])
     motion = 18e-6 + 1e-7

@@ -311,7 +311,9 @@ def test_initial_stiffness_is_the_slope_of_the_first_step():
     assert np.isnan(simulation.initial_stiffness)
     steps = list(simulation.steps())
     assert steps[0].load / steps[0].gauge == pytest.approx(simulation.initial_stiffness, rel=1e-4)
-    assert simulation.initial_stiffness == pytest.approx(1 / gauge_compliance(simulation._structure.system), rel=1e-9)
+    assert simulation.initial_stiffness == pytest.approx(
+        1 / gauge_compliance(simulation._discretization.system), rel=1e-9
+    )
 
 
 def test_everything_fine_from_a_region_equals_the_full_run():

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fissura.api.stages import stages_in_words
 from fissura.case import Case, Gravity, case_of
-from fissura.case.macroscopic import bulk_law
+from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.errors import InputError, Notice
 from fissura.machine.memory import gigabytes, physical_memory
 from fissura.simulation.memory import estimate_bodies, estimate_memory, require_memory
@@ -328,6 +328,6 @@ def _weight(gravity: Gravity, volume: float) -> float:
 def _macro(case: Case) -> tuple[float, float] | None:
     """Elastic constants of the bulk that a case's contacts give; None where the table ends."""
     try:
-        return bulk_law().macroscopic(case.material.E, case.material.alpha)
+        return macroscopic_elasticity().macroscopic(case.material.E, case.material.alpha)
     except InputError:
         return None

@@ -2,9 +2,10 @@
 
 A uniform volumetric strain is in equilibrium in every Voronoi structure, so that ``E_macro = E (1 - 2 nu)`` holds
 exactly for bulk averages. What is left to be known is Poisson's ratio as a function of `alpha`. It is tabulated in
-``bulk_elasticity.csv``, mean values of periodic saturated structures written by ``benchmarks/bulk_elasticity.py``, and
-interpolated over the root of `alpha` by monotone cubics, which err by less than the table does. A table rather than
-structures made when they are needed: reading a case must take no time and give the same constants on every machine.
+``macroscopic_elasticity.csv``, mean values of periodic saturated structures written by
+``benchmarks/macroscopic_elasticity.py``, and interpolated over the root of `alpha` by monotone cubics, which err by
+less than the table does. A table rather than structures made when they are needed: reading a case must take no time and
+give the same constants on every machine.
 
 Cases are read with this module, so that SciPy is imported where it is needed and not before.
 """
@@ -22,7 +23,7 @@ from fissura.errors import InputError
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
 
-__all__ = ["BulkLaw", "bulk_law", "voigt"]
+__all__ = ["MacroscopicElasticity", "macroscopic_elasticity", "voigt"]
 
 
 def voigt(alpha: float) -> tuple[float, float]:
@@ -31,7 +32,7 @@ def voigt(alpha: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class BulkLaw:
+class MacroscopicElasticity:
     """Poisson's ratio as a function of `alpha`, tabulated.
 
     Attributes
@@ -119,9 +120,9 @@ class BulkLaw:
 
 
 @cache
-def bulk_law() -> BulkLaw:
+def macroscopic_elasticity() -> MacroscopicElasticity:
     """The law that the package brings along."""
-    lines = (files("fissura.case") / "bulk_elasticity.csv").read_text(encoding="utf-8").splitlines()
+    lines = (files("fissura.case") / "macroscopic_elasticity.csv").read_text(encoding="utf-8").splitlines()
     rows = [tuple(map(float, line.split(","))) for line in lines if line[:1].isdigit()]
     alpha, nu, error = zip(*((row[0], row[1], row[2]) for row in rows), strict=True)
-    return BulkLaw(alpha, nu, error)
+    return MacroscopicElasticity(alpha, nu, error)

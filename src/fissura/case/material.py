@@ -21,7 +21,7 @@ from pydantic import (
 )
 
 from fissura.case.laws import parameters_of
-from fissura.case.macroscopic import bulk_law
+from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.case.part import Part
 from fissura.case.region import Region
 from fissura.case.types import (
@@ -69,7 +69,7 @@ class Macro(Part):
     @property
     def contact(self) -> tuple[float, float]:
         """``E`` [Pa] and ``alpha`` of the contacts."""
-        return bulk_law().contact(self.E, self.nu)
+        return macroscopic_elasticity().contact(self.E, self.nu)
 
 
 class Material(Part):
@@ -106,7 +106,7 @@ class Material(Part):
     def whole(self) -> Macro | None:
         """Elastic constants of the material as a whole that the contacts give; None where their table ends."""
         try:
-            E, nu = bulk_law().macroscopic(self.E, self.alpha)
+            E, nu = macroscopic_elasticity().macroscopic(self.E, self.alpha)
             return Macro(E=E, nu=nu)
         except (InputError, ValidationError):
             return None

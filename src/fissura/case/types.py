@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, ValidationInfo
 
 from fissura.case.accepted import NUMBER_WITH_UNIT, accepting, one_or_list
-from fissura.case.macroscopic import bulk_law
+from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.case.ranges import (
     BULK_MODULI,
     COORDINATES,
@@ -83,9 +83,9 @@ Axis = Literal["x", "y", "z"]
 LARGEST_INTEGER = 2**63 - 1
 
 
-@accepting(lambda inner: {**NUMBER_WITH_UNIT, "description": bulk_law().allowed})
+@accepting(lambda inner: {**NUMBER_WITH_UNIT, "description": macroscopic_elasticity().allowed})
 def _poisson(value: Any) -> float:
-    law = bulk_law()
+    law = macroscopic_elasticity()
     least, most = law.range
     try:
         number = to_si(value, NUMBER)

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fissura.case.macroscopic import bulk_law, voigt
+from fissura.case.macroscopic import macroscopic_elasticity, voigt
 from fissura.elasticity.study import Row, Study, spread
 from fissura.pictures.curves import BLUE, DPI, INK, LIGHT, ORANGE, headline, tidy
 from fissura.pictures.lettering import save
@@ -57,7 +57,7 @@ def plot_alpha(study: Study, path: Path) -> None:
     """
     figure, panels = _figure()
     rows = study.of("periodic", size=study.sizes[-1])
-    law = bulk_law()
+    law = macroscopic_elasticity()
     fine = np.linspace(law.alpha[0], 1.0, 200)
     lines = np.array([law.macroscopic(1.0, alpha) for alpha in fine])
     estimate = np.array([voigt(alpha) for alpha in np.linspace(0.0, 1.0, 101)])
@@ -125,8 +125,8 @@ def plot_size(study: Study, path: Path, alpha: float) -> None:
         if fit is not None and kind != "periodic":
             line = np.array([0.0, widest])
             panels[0].plot(line, fit.E_bulk * (1.0 + fit.c * line), "-", color=colour, linewidth=1.1)
-    if alpha >= bulk_law().alpha[0]:
-        for axes, value in zip(panels, bulk_law().macroscopic(1.0, alpha), strict=True):
+    if alpha >= macroscopic_elasticity().alpha[0]:
+        for axes, value in zip(panels, macroscopic_elasticity().macroscopic(1.0, alpha), strict=True):
             axes.axhline(value, color=LIGHT, linewidth=2.4, zorder=1, label="tabulated bulk law")
     for axes in panels:
         axes.set_xlabel("$l_{min}$ / size")

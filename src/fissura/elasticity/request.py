@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fissura.case.macroscopic import bulk_law, voigt
+from fissura.case.macroscopic import macroscopic_elasticity, voigt
 from fissura.case.ranges import BULK_MODULI, ENERGIES, LENGTHS, MODULI, STRENGTHS, Range, between
 from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, Dimension, to_si
-from fissura.elasticity.tension import bulk_tension
+from fissura.elasticity.tension import macroscopic_tension
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically
 from fissura.files.folder import Folder
@@ -151,7 +151,7 @@ def _stress(value: float) -> str:
 
 def _constants(E: float, alpha: float) -> list[tuple[str, str]]:
     """Rows of both sets of constants."""
-    macro, nu = bulk_law().macroscopic(E, alpha)
+    macro, nu = macroscopic_elasticity().macroscopic(E, alpha)
     ratio, by_voigt = voigt(alpha)
     return [
         ("contacts: E", _stress(E)),
@@ -177,7 +177,7 @@ def _tension(case: Case) -> list[tuple[str, str]]:
 
 def _whole(E: float, alpha: float, f_t: float, G_t: float, l_f: float) -> list[tuple[str, str]]:
     """Rows of strength and fracture energy of the whole in tension, for constants of contacts."""
-    known = bulk_tension()
+    known = macroscopic_tension()
     brittleness = 2.0 * E * G_t / f_t**2 / l_f
     strength, energy = known.strength(brittleness, alpha), known.energy(brittleness, alpha)
     prisms = sum(group.prisms for group in known.groups)
@@ -233,13 +233,13 @@ def inverse_rows(E: float, nu: float, tension: tuple[float, float, float] | None
         A Poisson's ratio that cannot be reached.
     """
     try:
-        contact, alpha = bulk_law().contact(E, nu)
+        contact, alpha = macroscopic_elasticity().contact(E, nu)
     except InputError as error:
         raise InputError(f"--inverse {error.key}", error.problem, error.allowed) from None
     rows, more = _constants(contact, alpha), ", ..."
     if tension is not None:
         strength, energy, l_f = tension
-        f_t, G_t = bulk_tension().contact(strength, energy, contact, alpha, l_f)
+        f_t, G_t = macroscopic_tension().contact(strength, energy, contact, alpha, l_f)
         rows += _whole(contact, alpha, f_t, G_t, l_f)
         more = f', f_t = "{f_t / 1e6:.4g} MPa", G_t = "{G_t:.4g} J/m^2"'
     case_file = f'material = {{ macro = {{ E = "{E / 1e9:g} GPa", nu = {nu:g} }}{more} }}'

@@ -2,8 +2,8 @@
 
 `f_t` and `G_t` belong to the contacts. A crack runs between bodies: its facets are larger than the section, most are
 inclined and carry shear, too, and damage begins in a volume before it becomes a crack. So the whole is a little
-stronger than its contacts and dissipates more. ``bulk_tension.csv``, written by ``benchmarks/meaning.py``, has means
-and scatter of prisms; they depend on shape, on `alpha` and on brittleness, but not on units.
+stronger than its contacts and dissipates more. ``macroscopic_tension.csv``, written by ``benchmarks/meaning.py``,
+has means and scatter of prisms; they depend on shape, on `alpha` and on brittleness, but not on units.
 
 This module needs nothing but the standard library, as :mod:`fissura.case.macroscopic` does.
 """
@@ -16,7 +16,7 @@ from functools import cache, cached_property
 from importlib.resources import files
 from itertools import pairwise
 
-__all__ = ["BulkTension", "Prisms", "bulk_tension"]
+__all__ = ["MacroscopicTension", "Prisms", "macroscopic_tension"]
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Prisms:
 
 
 @dataclass(frozen=True)
-class BulkTension:
+class MacroscopicTension:
     """What was measured.
 
     Attributes
@@ -113,7 +113,7 @@ class BulkTension:
 
         Examples
         --------
-        >>> f_t, G_t = bulk_tension().contact(3.0e6, 100.0, 60e9, 0.29, 0.01)
+        >>> f_t, G_t = macroscopic_tension().contact(3.0e6, 100.0, 60e9, 0.29, 0.01)
         >>> f"{f_t / 1e6:.2f} MPa, {G_t:.0f} J/m^2"
         '2.60 MPa, 52 J/m^2'
         """
@@ -148,12 +148,12 @@ class BulkTension:
 
 
 @cache
-def bulk_tension() -> BulkTension:
+def macroscopic_tension() -> MacroscopicTension:
     """The numbers that the package brings along."""
-    lines = (files("fissura.elasticity") / "bulk_tension.csv").read_text(encoding="utf-8").splitlines()
+    lines = (files("fissura.elasticity") / "macroscopic_tension.csv").read_text(encoding="utf-8").splitlines()
     rows = [line.split(",") for line in lines if line[:1].isdigit()]
     groups = []
     for row in rows:
         width, length, brittleness, alpha, prisms, *found = map(float, row)
         groups.append(Prisms(width, length, brittleness, alpha, int(prisms), *found))
-    return BulkTension(tuple(groups))
+    return MacroscopicTension(tuple(groups))

@@ -32,7 +32,7 @@ from fissura.linear.assembly import Pattern, add_spin, assemble, assemble_secant
 from fissura.linear.krylov import dot
 from fissura.linear.low_rank import LowRank
 from fissura.linear.symmetric import SymmetricSolver
-from fissura.machine.kernel_threads import ALONE, Team
+from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 from fissura.material import Material, Materials, Regions
 from fissura.specimen import Conditions, Drive
 from fissura.tessellation import Tessellation
@@ -115,7 +115,7 @@ class System:
         Contacts whose centroid lies there never get damage.
     field : RandomField, optional
         Relative strength and fracture energy, taken at the centroids of facets; 1 everywhere by default.
-    team : Team
+    threads : KernelThreads
         Threads for linear solvers.
 
     Raises
@@ -151,7 +151,7 @@ class System:
         linear: str = "auto",
         elastic: Regions = _NOWHERE,
         field: RandomField | None = None,
-        team: Team = ALONE,
+        threads: KernelThreads = SINGLE_THREAD,
     ) -> None:
         contacts = tessellation.contacts
         if not len(contacts):
@@ -198,8 +198,8 @@ class System:
         self.support_stiffness: FloatArray = self._support_stiffness(rows)
         self.constant, wide = self._supports(rows)
         self.pattern: Pattern = pattern(self.geometry, self.constant, self._spin(), wide)
-        self.symmetric = SymmetricSolver(self.pattern, whole.x, linear, team)
-        self.team = team
+        self.symmetric = SymmetricSolver(self.pattern, whole.x, linear, threads)
+        self.threads = threads
         self.prepared = PreparedSecant(self, self.symmetric)
         self._set_drive(conditions.main, np.zeros(len(conditions.load_names)))
         # Moments count as forces at the arm of half a contact.

@@ -161,7 +161,7 @@ class TangentSolver:
         right = residual - more * off
         if gap != 0.0:
             add_stiffness(geometry, chosen, -change, (more * unit).reshape(-1, 6), right.reshape(-1, 6))
-        found = gmres(operator, np.append(weights * right, -scale * b * more), tolerance, _MOST, system.team)
+        found = gmres(operator, np.append(weights * right, -scale * b * more), tolerance, _MOST, system.threads)
         self.iterations += found.iterations
         if self._fresh is None:
             # One that was given up does not tell what a fresh preparation needs: counted as that, no later one would

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from fissura.kernels import INNER, njit
 from fissura.linear.blocks import AHEAD, FAST, LowerBlocks
 from fissura.linear.simd import prefetch, times, transposed_times
-from fissura.machine.kernel_threads import ALONE, Team
+from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["IncompleteCholesky"]
 
@@ -165,12 +165,12 @@ class IncompleteCholesky:
     ----------
     form : LowerBlocks
         Lower triangle; the order of bodies decides how good the factor is.
-    team : Team
+    threads : KernelThreads
         Threads that share the work on domains.
     """
 
-    def __init__(self, form: LowerBlocks, team: Team = ALONE) -> None:
-        self.form, self._team = form, team
+    def __init__(self, form: LowerBlocks, threads: KernelThreads = SINGLE_THREAD) -> None:
+        self.form, self._threads = form, threads
         #: Share of the diagonal that was added in the latest factorization, because without it some pivots were not
         #: positive definite.
         self.share = 0.0
@@ -204,9 +204,9 @@ class IncompleteCholesky:
                     added[left_out[0]] -= left_out[1]
             last_try = self.share == _SHARES[-1]
             rest = (form.indptr, form.indices, blocks, added, self.share, last_try, _SMALLEST_PIVOT, self._factor)
-            failed = self._team.run(_factor, form.bounds, *rest)
+            failed = self._threads.run(_factor, form.bounds, *rest)
             if last_try or not any(failed):
-                failed += ALONE.run(_factor, form.tail, *rest)
+                failed += SINGLE_THREAD.run(_factor, form.tail, *rest)
             self.shifted = -1 if min(failed) < 0 else sum(failed)
             if self.shifted == 0:
                 return
@@ -218,9 +218,9 @@ class IncompleteCholesky:
         assert self._factor is not None
         form, out = self.form, np.empty_like(right)
         rest = (form.indptr, form.indices, self._factor)
-        self._team.run(_forward, form.bounds, *rest, right, out)
+        self._threads.run(_forward, form.bounds, *rest, right, out)
         if form.has_tail:
-            ALONE.run(_forward, form.tail, *rest, right, out)
-            ALONE.run(_backward, form.tail, *rest, out)
-        self._team.run(_backward, form.bounds, *rest, out)
+            SINGLE_THREAD.run(_forward, form.tail, *rest, right, out)
+            SINGLE_THREAD.run(_backward, form.tail, *rest, out)
+        self._threads.run(_backward, form.bounds, *rest, out)
         return out

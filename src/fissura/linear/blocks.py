@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from fissura.kernels import njit
 from fissura.linear.assembly import Pattern
 from fissura.linear.simd import prefetch, prefetch_item
-from fissura.machine.kernel_threads import ALONE, Team
+from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = [
     "FAST",
@@ -93,7 +93,9 @@ class LowerBlocks:
         stride = self.stride[np.searchsorted(self.indptr, blocks, side="right") - 1]
         return self.start[blocks, None, None] + np.arange(size)[:, None] * stride[:, None, None] + np.arange(size)
 
-    def gather(self, data: FloatArray, out: FloatArray | None = None, team: Team = ALONE) -> FloatArray:
+    def gather(
+        self, data: FloatArray, out: FloatArray | None = None, threads: KernelThreads = SINGLE_THREAD
+    ) -> FloatArray:
         """Blocks of the matrix with these entries, in `out` if given; (z,) -> (k, 6, 6).
 
         Raises
@@ -102,7 +104,7 @@ class LowerBlocks:
             An entry is not finite.
         """
         out = np.empty((len(self.indices), 6, 6)) if out is None else out
-        if any(team.run(_gather, self.pieces, self.indptr, self.start, self.stride, data, out)):  # nan is true
+        if any(threads.run(_gather, self.pieces, self.indptr, self.start, self.stride, data, out)):  # nan is true
             raise ValueError("the stiffness matrix holds values that are not finite")
         return out
 
@@ -253,12 +255,14 @@ def _sizes(indptr, indices, blocks, x, out):  # type: ignore[no-untyped-def]
                         out[j, d] += size * abs(x[i, a])
 
 
-def multiply(form: LowerBlocks, blocks: FloatArray, x: FloatArray, team: Team = ALONE) -> FloatArray:
+def multiply(
+    form: LowerBlocks, blocks: FloatArray, x: FloatArray, threads: KernelThreads = SINGLE_THREAD
+) -> FloatArray:
     """Product of the symmetric matrix whose lower blocks these are with a vector; (n, 6) -> (n, 6)."""
     out = np.empty_like(x)
-    team.run(_multiply, form.bounds, form.indptr, form.indices, blocks, x, out)
+    threads.run(_multiply, form.bounds, form.indptr, form.indices, blocks, x, out)
     if form.has_tail:
-        ALONE.run(_multiply, form.tail, form.indptr, form.indices, blocks, x, out)
+        SINGLE_THREAD.run(_multiply, form.tail, form.indptr, form.indices, blocks, x, out)
     return out
 
 

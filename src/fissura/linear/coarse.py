@@ -10,7 +10,7 @@ from fissura.kernels import njit
 from fissura.linear.blocks import LowerBlocks
 from fissura.linear.low_rank import LowRank
 from fissura.linear.motions import prolong, restrict, restrict_product
-from fissura.machine.kernel_threads import ALONE, Team
+from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["CoarseSpace"]
 
@@ -190,7 +190,7 @@ class CoarseSpace:
         Cluster of each body, 0, 1, ... without gaps.
     wide : LowRank
         Part of K that has no blocks, in the order of `form`.
-    team : Team
+    threads : KernelThreads
         Threads that share the work on domains.
     """
 
@@ -201,9 +201,9 @@ class CoarseSpace:
         x: FloatArray,
         label: IntArray,
         wide: LowRank | None = None,
-        team: Team = ALONE,
+        threads: KernelThreads = SINGLE_THREAD,
     ) -> None:
-        self._team, self._pieces = team, form.pieces
+        self._threads, self._pieces = threads, form.pieces
         count = np.bincount(label)
         centre = np.stack([np.bincount(label, x[:, a]) for a in range(3)], axis=1) / count[:, None]
         self.clusters = len(count)
@@ -214,8 +214,8 @@ class CoarseSpace:
         self._first, self._cluster = _touched(form.indptr, form.indices, label)
         self._product: FloatArray = np.zeros((len(self._cluster), 6, 6))  # K P, without its wide part
         rest = (blocks, label, self.arm, self.unit, self._first, self._cluster, self._product)
-        team.run(_condense, form.bounds, form.indptr, form.indices, *rest)
-        ALONE.run(_condense, form.tail, form.indptr, form.indices, *rest)
+        threads.run(_condense, form.bounds, form.indptr, form.indices, *rest)
+        SINGLE_THREAD.run(_condense, form.tail, form.indptr, form.indices, *rest)
         self._wide = LowRank.none() if wide is None else wide
         self._wide_clusters: IntArray = np.unique(label[self._wide.bodies])
         self._wide_rows: FloatArray = self._restricted_rows()
@@ -261,12 +261,12 @@ class CoarseSpace:
 
     def restrict(self, r: FloatArray) -> FloatArray:
         """``P^T r``; (n, 6) -> (clusters, 6)."""
-        return _sum(self._team.run(restrict, self._pieces, self.clusters, self.label, self.arm, self.unit, r))
+        return _sum(self._threads.run(restrict, self._pieces, self.clusters, self.label, self.arm, self.unit, r))
 
     def restrict_product(self, z: FloatArray) -> FloatArray:
         """``P^T K z``; (n, 6) -> (clusters, 6)."""
         rest = (self.clusters, self._first, self._cluster, self._product, z)
-        out = _sum(self._team.run(restrict_product, self._pieces, *rest))
+        out = _sum(self._threads.run(restrict_product, self._pieces, *rest))
         if len(self._wide):
             forces = self._wide.stiffness * self._wide.values(z)
             out[self._wide_clusters] += np.einsum("r,rtd->td", forces, self._wide_rows)
@@ -274,4 +274,4 @@ class CoarseSpace:
 
     def add_motion(self, coarse: FloatArray, u: FloatArray) -> None:
         """Add ``P coarse`` to u; shapes (clusters, 6) and (n, 6)."""
-        self._team.run(prolong, self._pieces, self.label, self.arm, self.unit, coarse, u)
+        self._threads.run(prolong, self._pieces, self.label, self.arm, self.unit, coarse, u)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
-from fissura.machine.kernel_threads import ALONE, Team
+from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["Minimized", "dot", "gmres", "norm"]
 
@@ -51,7 +51,7 @@ def _pieces(size: int) -> tuple[int, ...]:
     return (0, size) if size < _LONG else tuple(size * k // _CUT for k in range(_CUT + 1))
 
 
-def _orthogonalized(basis: list[FloatArray], image: FloatArray, team: Team) -> list[float]:
+def _orthogonalized(basis: list[FloatArray], image: FloatArray, threads: KernelThreads) -> list[float]:
     """Make `image` orthogonal to unit vectors one after the other (modified Gram-Schmidt).
 
     Returns
@@ -60,9 +60,9 @@ def _orthogonalized(basis: list[FloatArray], image: FloatArray, team: Team) -> l
         Its components along them, and the norm of what is left.
     """
     pieces = _pieces(len(image))
-    out = [float(sum(team.run(_dot, pieces, basis[0], image)))]
+    out = [float(sum(threads.run(_dot, pieces, basis[0], image)))]
     for own, following in zip(basis, [*basis[1:], image], strict=True):
-        out.append(float(sum(team.run(_take_out, pieces, out[-1], own, following, image))))
+        out.append(float(sum(threads.run(_take_out, pieces, out[-1], own, following, image))))
     out[-1] = float(np.sqrt(out[-1]))
     return out
 
@@ -101,7 +101,7 @@ def gmres(
     right: FloatArray,
     tolerance: float,
     most: int,
-    team: Team = ALONE,
+    threads: KernelThreads = SINGLE_THREAD,
 ) -> Minimized:
     """Minimize the residual of ``A M z = b`` over growing Krylov spaces, without restart, starting from zero.
 
@@ -115,7 +115,7 @@ def gmres(
         Reduction of the residual at which to stop.
     most : int
         Largest number of iterations.
-    team : Team
+    threads : KernelThreads
         Threads that share the work on long vectors.
 
     Returns
@@ -135,7 +135,7 @@ def gmres(
         k = len(moves)
         move, image = operator(basis[-1])
         before = norm(image)
-        *column, left = _orthogonalized(basis, image, team)
+        *column, left = _orthogonalized(basis, image, threads)
         left = left if left > _ROUND_OFF * before else 0.0  # nothing new
         for j, (c, s) in enumerate(rotations):
             column[j], column[j + 1] = c * column[j] + s * column[j + 1], c * column[j + 1] - s * column[j]

@@ -12,7 +12,7 @@ from fissura.contact import Kinematics
 from fissura.kernels import njit
 from fissura.linear.assembly import Pattern
 from fissura.linear.blocks import LowerBlocks, constant_part, held_bodies
-from fissura.machine.kernel_threads import ALONE, Team
+from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["assemble_lower"]
 
@@ -76,7 +76,7 @@ def assemble_lower(
     lower: LowerBlocks,
     moduli: FloatArray,
     out: FloatArray | None = None,
-    team: Team = ALONE,
+    threads: KernelThreads = SINGLE_THREAD,
 ) -> FloatArray:
     """Lower blocks of ``sum A L B^T diag(moduli) B`` plus the constant part; shape (k, 6, 6).
 
@@ -92,7 +92,7 @@ def assemble_lower(
         Stiffness ``ds/de`` of the strain components of every contact [Pa].
     out : (k, 6, 6) array, optional
         Where to put them.
-    team : Team
+    threads : KernelThreads
         Threads that share the work.
 
     Raises
@@ -103,7 +103,7 @@ def assemble_lower(
     out = np.empty((len(lower.indices), 6, 6)) if out is None else out
     where = (lower.order, lower.place, lower.indptr, lower.indices)
     contacts = (geometry.bodies, geometry.rows, geometry.volume, geometry.first, geometry.adjacent)
-    if any(team.run(_assemble, lower.pieces, *where, *contacts, moduli, form.spin, out)):  # nan is true
+    if any(threads.run(_assemble, lower.pieces, *where, *contacts, moduli, form.spin, out)):  # nan is true
         raise ValueError("the stiffness matrix holds values that are not finite")
     _add_constant(form, lower, out)
     return out

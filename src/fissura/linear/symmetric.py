@@ -13,7 +13,7 @@ from fissura.linear.assembly import Pattern, assemble_secant
 from fissura.linear.direct import best_solver
 from fissura.linear.protocol import LinearSolver, SingularMatrixError
 from fissura.linear.two_level import TwoLevel
-from fissura.machine.kernel_threads import ALONE, Team
+from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["LINEAR_SOLVERS", "SymmetricSolver"]
 
@@ -28,7 +28,9 @@ _LARGE = 500
 _TOLERANCE = 1e-8
 
 
-def _aggregation(form: Pattern, x: FloatArray, tolerance: float, team: Team = ALONE) -> LinearSolver:
+def _aggregation(
+    form: Pattern, x: FloatArray, tolerance: float, threads: KernelThreads = SINGLE_THREAD
+) -> LinearSolver:
     """Made here, so that only runs that name it load PyAMG."""
     from fissura.linear.amg import SmoothedAggregation
 
@@ -38,8 +40,8 @@ def _aggregation(form: Pattern, x: FloatArray, tolerance: float, team: Team = AL
 #: Solvers by name, made from a pattern, nuclei (n, 3), and a relative error in the energy norm, which `direct` does not
 #: need, and if wanted threads, which only `two-level` uses. `amg` is there for comparison.
 LINEAR_SOLVERS: dict[str, Callable[..., LinearSolver]] = {
-    "direct": lambda form, x, tolerance, team=ALONE: best_solver()(form),
-    "two-level": lambda form, x, tolerance, team=ALONE: TwoLevel(form, x, tolerance, team=team),
+    "direct": lambda form, x, tolerance, threads=SINGLE_THREAD: best_solver()(form),
+    "two-level": lambda form, x, tolerance, threads=SINGLE_THREAD: TwoLevel(form, x, tolerance, threads=threads),
     "amg": _aggregation,
 }
 
@@ -57,7 +59,7 @@ class SymmetricSolver:
         Nuclei [m].
     linear : str
         Name of a solver, or "auto", which chooses by the number of bodies.
-    team : Team
+    threads : KernelThreads
         Threads.
 
     Attributes
@@ -66,11 +68,13 @@ class SymmetricSolver:
         Matrices prepared so far.
     """
 
-    def __init__(self, form: Pattern, x: FloatArray, linear: str = "auto", team: Team = ALONE) -> None:
+    def __init__(
+        self, form: Pattern, x: FloatArray, linear: str = "auto", threads: KernelThreads = SINGLE_THREAD
+    ) -> None:
         if linear == "auto":
             linear = "two-level" if len(x) >= _LARGE else "direct"
-        self._form, self._x, self._team = form, x, team
-        self._chosen = LINEAR_SOLVERS[linear](form, x, _TOLERANCE, team)
+        self._form, self._x, self._threads = form, x, threads
+        self._chosen = LINEAR_SOLVERS[linear](form, x, _TOLERANCE, threads)
         self._direct: LinearSolver | None = self._chosen if linear == "direct" else None
         self._current: LinearSolver = self._chosen
         self._entries: Callable[[], FloatArray]
@@ -144,7 +148,7 @@ class SymmetricSolver:
             return
         _log.debug("direct solver takes over: %s", why)
         if self._direct is None:
-            self._direct = LINEAR_SOLVERS["direct"](self._form, self._x, _TOLERANCE, self._team)
+            self._direct = LINEAR_SOLVERS["direct"](self._form, self._x, _TOLERANCE, self._threads)
         self._current = self._direct
         self._direct.factor(self._entries(), symmetric=True)
 

@@ -32,7 +32,7 @@ from fissura.linear.low_rank import LowRank
 from fissura.linear.lower_assembly import assemble_lower
 from fissura.linear.protocol import SingularMatrixError
 from fissura.linear.vectors import advance, dot, turn
-from fissura.machine.kernel_threads import ALONE, Team
+from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["TwoLevel"]
 
@@ -73,7 +73,7 @@ class TwoLevel:
     reference : (z,) array, optional
         Entries of the undamaged matrix, to tell broken contacts by; without it they are told by comparison with their
         neighbours.
-    team : Team
+    threads : KernelThreads
         Threads that share the work.
     domains : int, optional
         Parts into which the work falls; by default what suits the number of bodies.
@@ -98,7 +98,7 @@ class TwoLevel:
         max_iterations: int = 500,
         *,
         reference: FloatArray | None = None,
-        team: Team = ALONE,
+        threads: KernelThreads = SINGLE_THREAD,
         domains: int | None = None,
     ) -> None:
         self.form = form
@@ -110,10 +110,10 @@ class TwoLevel:
         self.shift = 0.0
         held = held_bodies(form)
         # Narrow supports couple all bodies that they hold: at the end these are factorized exactly.
-        self._team = team
+        self._threads = threads
         self._lower: LowerBlocks = lower_blocks(form, *dissected_order(form, held_bodies(form, wide=False), domains))
         order = self._lower.order
-        self._smoother = IncompleteCholesky(self._lower, team)
+        self._smoother = IncompleteCholesky(self._lower, threads)
         self._x: FloatArray = np.ascontiguousarray(x[order])
         self._group: IntArray = bisected(self._x, _CLUSTER, body_weights(self._lower, self._x))
         # A cluster of which only some bodies are held could not move, and would leave the others to the smoother.
@@ -168,7 +168,7 @@ class TwoLevel:
         """
         if not symmetric:
             raise ValueError("conjugate gradients solve symmetric matrices only")
-        self._prepare(lambda out: self._lower.gather(data, out, self._team))
+        self._prepare(lambda out: self._lower.gather(data, out, self._threads))
 
     def factor_contacts(self, geometry: Kinematics, moduli: FloatArray) -> None:
         """Prepare the preconditioner for contacts with these moduli [Pa], (m, 3), and the constant part.
@@ -178,7 +178,7 @@ class TwoLevel:
         SingularMatrixError
             As `factor`.
         """
-        self._prepare(lambda out: assemble_lower(geometry, self.form, self._lower, moduli, out, self._team))
+        self._prepare(lambda out: assemble_lower(geometry, self.form, self._lower, moduli, out, self._threads))
 
     def _prepare(self, fill: Callable[[FloatArray | None], FloatArray]) -> None:
         """Prepare for the matrix of which a function gives the lower blocks, in the storage that is there."""
@@ -191,7 +191,7 @@ class TwoLevel:
         row, column = self._ends
         keep = intact(row, column, self._stiffness(blocks), self._reference, _INTACT)
         label = connected(self._group, row[keep], column[keep])
-        self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._wide, self._team)
+        self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._wide, self._threads)
         self.clusters = self._coarse.clusters
         try:
             self._smoother.factor(blocks, self._left_out)
@@ -239,11 +239,11 @@ class TwoLevel:
         return u.take(self._lower.place, axis=0).ravel()
 
     def _dot(self, a: FloatArray, b: FloatArray) -> float:
-        return float(sum(self._team.run(dot, self._lower.pieces, a, b)))
+        return float(sum(self._threads.run(dot, self._lower.pieces, a, b)))
 
     def _product(self, u: FloatArray) -> FloatArray:
         assert self._blocks is not None
-        out = multiply(self._lower, self._blocks, u, self._team)
+        out = multiply(self._lower, self._blocks, u, self._threads)
         self._wide.add_product(u, out)
         return out
 
@@ -290,10 +290,10 @@ class TwoLevel:
                 curvature = self._dot(p, product)
                 if not curvature > 0.0:
                     raise SingularMatrixError("the stiffness matrix is not positive definite")
-                self._team.run(advance, self._lower.pieces, rho / curvature, p, product, u, r)
+                self._threads.run(advance, self._lower.pieces, rho / curvature, p, product, u, r)
                 z = self._preconditioned(r)
                 before, rho = rho, self._dot(r, z)
-                self._team.run(turn, self._lower.pieces, rho / before, z, p)
+                self._threads.run(turn, self._lower.pieces, rho / before, z, p)
         raise SingularMatrixError(
             f"conjugate gradients do not converge: relative error {error:.1e} after {self.iterations} iterations"
         )

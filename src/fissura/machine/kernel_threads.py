@@ -17,7 +17,7 @@ from fissura.machine.threads import VARIABLE, usable_processors
 if TYPE_CHECKING:
     from concurrent.futures import ThreadPoolExecutor
 
-__all__ = ["ALONE", "Team"]
+__all__ = ["SINGLE_THREAD", "KernelThreads"]
 
 #: Large structures fall into so many domains, and more threads would wait for memory.
 _MOST = 4
@@ -36,7 +36,7 @@ def _usual() -> int:
     return int(asked)
 
 
-class Team:
+class KernelThreads:
     """Threads that run compiled kernels which release Python's global lock.
 
     Threads of Python cost nothing to compile, and some 20 µs to start a piece, which is little for large structures;
@@ -55,7 +55,7 @@ class Team:
     """
 
     def __init__(self, threads: int = 0) -> None:
-        self.threads = threads if threads > 0 else _usual()
+        self.count = threads if threads > 0 else _usual()
         self._pool: ThreadPoolExecutor | None = None
 
     def run(self, kernel: Callable[..., Any], bounds: Sequence[int] | NDArray[np.int64], *rest: Any) -> list[Any]:
@@ -66,13 +66,13 @@ class Team:
         if len(bounds) == 2:
             return [kernel(bounds[0], bounds[1], *rest)]
         pieces = list(pairwise(bounds))
-        if self.threads == 1:
+        if self.count == 1:
             return [kernel(begin, end, *rest) for begin, end in pieces]
         if self._pool is None:
             from concurrent.futures import ThreadPoolExecutor
 
             # The calling thread does its share.
-            self._pool = ThreadPoolExecutor(self.threads - 1, thread_name_prefix="fissura")
+            self._pool = ThreadPoolExecutor(self.count - 1, thread_name_prefix="fissura")
         waiting = [self._pool.submit(kernel, begin, end, *rest) for begin, end in pieces[1:]]
         out = [kernel(*pieces[0], *rest)]
         for (begin, end), task in zip(reversed(pieces[1:]), reversed(waiting), strict=True):
@@ -80,5 +80,5 @@ class Team:
         return out
 
 
-#: A team of one.
-ALONE = Team(1)
+#: No further threads.
+SINGLE_THREAD = KernelThreads(1)

@@ -20,7 +20,7 @@ from fissura.files.atomic import replacing
 from fissura.pictures.curves import BLUE, GREY, INK, gauge_unit, load_unit
 from fissura.pictures.lettering import fit, literal, may_shrink
 from fissura.pictures.panels import draw_curve, draw_scales
-from fissura.pictures.side_view import Look, Stage, look_of
+from fissura.pictures.side_view import Look, SideView, look_of
 from fissura.results.history import Frame, read_history
 from fissura.results.result import Result
 from fissura.text import quantities as text
@@ -155,7 +155,7 @@ def _note(frame: Frame) -> str:
     return f"{text.length(frame.value)},  {text.force(frame.load)},  {text.count(frame.bodies)} bodies"
 
 
-def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, Stage, Axes]:
+def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, SideView, Axes]:
     """Figure with the specimen on the left, the curve on the right, and what colours mean below."""
     share = 0.64 if look.aspect > 1.5 else 0.54
     head, foot = 0.45, 0.72
@@ -167,7 +167,7 @@ def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, St
     curve = figure.add_axes((share + 0.065, (foot + 0.25) / height, 0.92 - share, high - 0.25 / height))
     draw_curve(curve, result)
     draw_scales(figure.add_axes((0.005, 0.0, share - 0.02, foot / height)), look, full=result.full, wide=True)
-    return FigureCanvasAgg(figure), Stage(stage, result.case, look, thin=0.9), curve
+    return FigureCanvasAgg(figure), SideView(stage, result.case, look, thin=0.9), curve
 
 
 def _write_gif(drawn: Iterator[FigureCanvasAgg], path: Path, fps: int) -> None:

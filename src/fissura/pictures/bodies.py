@@ -10,7 +10,7 @@ from fissura.errors import InputError
 from fissura.pictures.curves import headline
 from fissura.pictures.panels import bar_beside, kinds_above
 from fissura.pictures.plotting import new_axes
-from fissura.pictures.side_view import COARSE, EDGE, FINE, HEAT, TENSION, Look, Stage, look_of
+from fissura.pictures.side_view import COARSE, EDGE, FINE, HEAT, TENSION, Look, SideView, look_of
 from fissura.text import quantities as text
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def bodies_axes(result: Result, step: int | None, ax: Axes | None, *, stress: bo
     mine = ax is None
     if ax is None:
         ax = new_axes((WIDE, min(0.9 * WIDE / look.aspect + 0.9, TALL)))
-    Stage(ax, result.case, look).show(frame)
+    SideView(ax, result.case, look).show(frame)
     if mine:
         note = f"step {frame.number}, {text.length(frame.value)}, {text.force(frame.load)}, {text.count(frame.bodies)} "
         headline(ax, result.case.name, f"{note}bodies, displacements × {look.magnify:g}")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fissura.pictures.curves import BLUE, DPI, INK, gauge_unit, load_unit
 from fissura.pictures.lettering import literal, may_shrink, save
 from fissura.pictures.panels import draw_curve, draw_scales
-from fissura.pictures.side_view import Look, Stage, look_of
+from fissura.pictures.side_view import Look, SideView, look_of
 from fissura.results.curve import COLUMN_OF
 from fissura.results.history import Frame
 from fissura.results.peak import peak_position
@@ -117,7 +117,7 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
     for axes in panels[len(shown) :]:
         axes.set_axis_off()
     for axes, moment in zip(panels, shown, strict=False):
-        Stage(axes, result.case, look).show(moment.frame)
+        SideView(axes, result.case, look).show(moment.frame)
         _caption(axes, f"{moment.letter}  {moment.name}", moment.frame, narrow=_narrow(look, columns))
     curve, scale = lower.subplots(1, 2, width_ratios=(2.6, 1.0))
     draw_curve(curve, result)
@@ -166,7 +166,7 @@ def bodies_figure(
     panels = upper.subplots(len(shown), 2, squeeze=False, gridspec_kw={"wspace": 0.05})
     for row, (moment, other) in enumerate(zip(shown, others, strict=True)):
         for axes, result, frame in zip(panels[row], (a, b), (moment.frame, other), strict=True):
-            Stage(axes, result.case, look, thin=0.7).show(frame)
+            SideView(axes, result.case, look, thin=0.7).show(frame)
             _caption(axes, f"{moment.letter}  {moment.name}" if result is a else "", frame, narrow=_narrow(look, 2))
     for axes, name in zip(panels[0], _titles(a, b), strict=True):
         title = axes.annotate(

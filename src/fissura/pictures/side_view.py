@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.results.history import Frame
 
-__all__ = ["COARSE", "FINE", "HEAT", "TENSION", "Look", "Stage", "look_of", "round_below"]
+__all__ = ["COARSE", "FINE", "HEAT", "TENSION", "Look", "SideView", "look_of", "round_below"]
 
 FloatArray = NDArray[np.float64]
 
@@ -119,7 +119,7 @@ def round_below(value: float) -> float:
     return float(power * max(k for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
 
 
-class Stage:
+class SideView:
     """A view of the specimen whose step can be changed.
 
     Parameters

@@ -130,7 +130,7 @@ def _attempted(model: Model, state: State, follower: PathFollower, goal: Goal) -
             return state, None
         if follower.is_jump(goal, state.now, found, peak):
             return state, None
-        elastic, criterion = model.structure.assess(found.response, found.load)
+        elastic, criterion = model.discretization.assess(found.response, found.load)
         if not (np.nan_to_num(criterion) > sensitivity.gamma).any():
             return state, Found(found, elastic, criterion)
         refinements += 1
@@ -159,11 +159,11 @@ def _worked(state: State, **more: int | float) -> State:
 def _refined(model: Model, state: State, critical: BoolArray, found: Equilibrium) -> State:
     """Refine around critical bodies and settle the last accepted state on the new discretization."""
     old = model.system
-    new = model.structure.refine(old.tessellation.x[critical])
+    new = model.discretization.refine(old.tessellation.x[critical])
     state = _moved(state, old, new)
     aim = transfer_history(old.pairs(), found.response.history, new.pairs(), new.virgin())
     _log.info("refined to %d bodies at %.4g m", len(new.tessellation), state.now.value)
-    return replace(state, layout=model.structure.layout, aim=aim)
+    return replace(state, layout=model.discretization.layout, aim=aim)
 
 
 def _coarsened(model: Model, state: State) -> State:
@@ -175,10 +175,10 @@ def _coarsened(model: Model, state: State) -> State:
         moved = _moved(state, old, system)
 
     try:
-        changed = model.structure.coarsen(state.now.response, settled)
+        changed = model.discretization.coarsen(state.now.response, settled)
     except FAILURES as error:
         # The fine structure is as it was, and as good: the run goes on with it.
-        model.structure.keep_fine()
+        model.discretization.keep_fine()
         notice = Notice(
             "adaptivity.coarsen",
             f"what had unloaded could not be made coarse again after step {state.number} ({reason(error)}); the run"
@@ -186,11 +186,11 @@ def _coarsened(model: Model, state: State) -> State:
             "nothing, if it ends in time; coarsen = false does not try",
         )
         _log.warning(notice)
-        return replace(state, layout=model.structure.layout, met=(*state.met, notice))
+        return replace(state, layout=model.discretization.layout, met=(*state.met, notice))
     if changed:
         _log.info("coarsened to %d bodies at %.4g m", len(model.system.tessellation), moved.now.value)
         moved = _worked(moved, coarsenings=1)
-    return replace(moved, layout=model.structure.layout)
+    return replace(moved, layout=model.discretization.layout)
 
 
 def _moved(state: State, old: System, system: System) -> State:

@@ -21,7 +21,7 @@ from fissura.adaptivity import (
 )
 from fissura.equilibrium import Response, System, check_places
 from fissura.errors import InputError
-from fissura.machine.kernel_threads import Team
+from fissura.machine.kernel_threads import KernelThreads
 from fissura.material import check_not_everywhere, field_from_case
 from fissura.simulation.described import described
 from fissura.specimen import Conditions
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.specimen import Drive
 
-__all__ = ["Driven", "Structure"]
+__all__ = ["Discretization", "Driven"]
 
 FloatArray = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def _count(bodies: int) -> str:
     return "1 body" if bodies == 1 else f"{bodies} bodies"
 
 
-class Structure:
+class Discretization:
     """Discretizes a specimen for a refined region, and again when the region changes.
 
     Parameters
@@ -90,7 +90,7 @@ class Structure:
         self._law, self._material, self._elastic = found.law, found.materials, found.elastic
         self.domain, self._conditions, self.notices = found.domain, found.conditions, found.notices
         self.field = field_from_case(case)
-        self._team = Team(case.solver.threads)
+        self._threads = KernelThreads(case.solver.threads)
         self.nuclei = nuclei_from_case(case, self.domain)
         self.layout = Layout(region_from_case(case, self.domain, full=full), Coarsening(self.nuclei.x))
         if self._elastic.contains(self.nuclei.x).all():  # facets between nuclei may lie outside all the same
@@ -126,7 +126,7 @@ class Structure:
             self._case.solver.linear,
             self._elastic,
             self.field,
-            self._team,
+            self._threads,
         )
 
     def _calibrated(self, system: System) -> System:

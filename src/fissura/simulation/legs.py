@@ -189,10 +189,10 @@ def entered(model: Model, state: State, way: Ahead) -> State:
     """
     planned = model.legs[way.index]
     peak = max(_peak(model, state, way.index), abs(way.load))
-    if not _alone(model.structure.conditions.main, way.driven) or model.structure.driven is not None:
-        model.structure.drive(way.driven)
+    if not _alone(model.discretization.conditions.main, way.driven) or model.discretization.driven is not None:
+        model.discretization.drive(way.driven)
     system = model.system
-    if state.leg is None and model.structure.driven is None:  # the load of the last stage: known from the start
+    if state.leg is None and model.discretization.driven is None:  # the load of the last stage: known from the start
         slope, limit = np.copysign(1.0, state.start.stiffness), state.start.limit
     else:
         slope, limit = _elastic(system, state)
@@ -201,7 +201,7 @@ def entered(model: Model, state: State, way: Ahead) -> State:
     state = replace(
         state,
         leg=leg,
-        main=model.structure.driven is None,
+        main=model.discretization.driven is None,
         now=now,
         before=None,
         in_energy=False,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from fissura.machine.memory import within_memory
 from fissura.simulation.advance import advance
-from fissura.simulation.discretization import Structure
+from fissura.simulation.discretization import Discretization
 from fissura.simulation.model import Model
 from fissura.simulation.start import started
 from fissura.simulation.state import State
@@ -70,33 +70,33 @@ class Simulation:
         self.wall_start, self.cpu_start = time.perf_counter(), time.process_time()
         self.case, self.full = case, full
         with within_memory("discretization.l_f", "the bodies of the specimen", "a larger spacing"):
-            self._structure = Structure(case, full=full)
-        self.bodies_full = len(self._structure.nuclei)
-        self.nuclei_given = self._structure.nuclei.given
+            self._discretization = Discretization(case, full=full)
+        self.bodies_full = len(self._discretization.nuclei)
+        self.nuclei_given = self._discretization.nuclei.given
         self.bodies_start = len(self.tessellation)
         self.state: State | None = None
-        self.model = Model(case, self._structure)
+        self.model = Model(case, self._discretization)
 
     @property
     def tessellation(self) -> Tessellation:
         """The current discretization."""
-        return self._structure.system.tessellation
+        return self._discretization.system.tessellation
 
     @property
     def domain(self) -> Domain:
         """The specimen."""
-        return self._structure.domain
+        return self._discretization.domain
 
     @property
     def field(self) -> RandomField | None:
         """Relative strength as a function of position; None where it is the same everywhere."""
-        return self._structure.field
+        return self._discretization.field
 
     @property
     def notices(self) -> tuple[Notice, ...]:
         """What looks wrong in the case, and what a run has met so far."""
         state = self.state
-        return (*self._structure.notices, *(() if state is None else (*state.met, *state.jumps.notices())))
+        return (*self._discretization.notices, *(() if state is None else (*state.met, *state.jumps.notices())))
 
     @property
     def elastic_scale(self) -> float:

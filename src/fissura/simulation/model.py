@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fissura.equilibrium import PathFollower, StepSolver, System
 from fissura.simulation.accepted import Found, snapshot_of
-from fissura.simulation.discretization import Driven, Structure
+from fissura.simulation.discretization import Discretization, Driven
 from fissura.simulation.legs import Ahead, ahead, planned_legs
 
 if TYPE_CHECKING:
@@ -26,12 +26,12 @@ class Model:
     ----------
     case : Case
         What to do.
-    structure : Structure
+    discretization : Discretization
         Its specimen.
 
     Attributes
     ----------
-    case, structure : Case, Structure
+    case, discretization : Case, Discretization
         As given.
     legs : tuple of Planned
         The loading programme.
@@ -39,16 +39,16 @@ class Model:
         Solves for the equilibrium of a step.
     """
 
-    def __init__(self, case: Case, structure: Structure) -> None:
-        self.case, self.structure = case, structure
-        self.legs = planned_legs(case, structure.conditions)
+    def __init__(self, case: Case, discretization: Discretization) -> None:
+        self.case, self.discretization = case, discretization
+        self.legs = planned_legs(case, discretization.conditions)
         self.solver = StepSolver(case.main.tolerance, case.main.max_iterations)
         self._state: State | None = None  # that everything here belongs to
 
     @property
     def system(self) -> System:
         """Equations of the current discretization."""
-        return self.structure.system
+        return self.discretization.system
 
     def stage(self, state: State) -> LoadingStage:
         """The stage that a state belongs to."""
@@ -72,7 +72,7 @@ class Model:
             What it remembers; nothing where the leg begins.
         """
         assert state.leg is not None
-        energy = self.case.material.G_t * self.structure.domain.smallest_section
+        energy = self.case.material.G_t * self.discretization.domain.smallest_section
         stage = self.stage(state)
         self.solver.tolerance, self.solver.max_iterations = stage.tolerance, stage.max_iterations
         return PathFollower(state.leg, stage, energy, limit, memory)
@@ -104,13 +104,13 @@ class Model:
         if state.leg is not None and not state.main:
             driven = Driven(self.legs[state.leg.index].drive, state.leg.kept)
         self._state = None
-        self.structure.compliance = state.start.compliance
-        return self.structure.at(state.layout, driven)
+        self.discretization.compliance = state.start.compliance
+        return self.discretization.at(state.layout, driven)
 
     def snapshot(self, state: State) -> Snapshot:
         """What can be seen in a state, as its step told."""
         system = self.at(state)
-        elastic, criterion = self.structure.assess(state.now.response, state.now.load)
+        elastic, criterion = self.discretization.assess(state.now.response, state.now.load)
         return snapshot_of(system, Found(state.now, elastic, criterion))
 
     def begin(self, state: State) -> None:

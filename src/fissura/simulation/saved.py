@@ -189,7 +189,7 @@ def restored(found: SavedState, model: Model) -> State:
         The discretization is another one.
     """
     state = found.state
-    coarsening = replace(state.layout.coarsening, x=model.structure.nuclei.x)
+    coarsening = replace(state.layout.coarsening, x=model.discretization.nuclei.x)
     state = replace(state, layout=replace(state.layout, coarsening=coarsening))
     system = model.at(state)
     if digest(system) != found.digest:

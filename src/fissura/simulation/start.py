@@ -50,9 +50,9 @@ def started(model: Model, bodies: tuple[int, int]) -> State:
     InputError
         The load moves nothing that is controlled, the supports hold too little, or the start is too coarse.
     """
-    case, structure = model.case, model.structure
+    case, discretization = model.case, model.discretization
     try:
-        system = structure.calibrate()
+        system = discretization.calibrate()
         unit = settle(system, system.virgin(), 1.0)
     except UnmovedGaugeError as error:
         raise InputError(
@@ -67,10 +67,10 @@ def started(model: Model, bodies: tuple[int, int]) -> State:
     stiffness = unit.load
     if len(model.legs) > 1:
         check_drives(model)
-    if stiffness < 0.0 and not (structure.compliance or 0.0) > 0.0 and _is_to_grow(case):
+    if stiffness < 0.0 and not (discretization.compliance or 0.0) > 0.0 and _is_to_grow(case):
         raise backward_gauge(system.conditions, stiffness)
-    if structure.compliance is not None:
-        off = stiffness * structure.compliance - 1.0
+    if discretization.compliance is not None:
+        off = stiffness * discretization.compliance - 1.0
         if abs(off) > _STIFFNESS_ERROR:
             kind = f"is {abs(off):.0%} too {'stiff' if off > 0.0 else 'soft'} against full resolution"
             if stiffness < 0.0:
@@ -83,13 +83,13 @@ def started(model: Model, bodies: tuple[int, int]) -> State:
             )
     rest = system.response(np.zeros(system.size), system.virgin())
     used = system.largest_utilisation(unit.response)
-    start = Start(stiffness, 1.0 / used if used > 0.0 else np.inf, structure.compliance)
+    start = Start(stiffness, 1.0 / used if used > 0.0 else np.inf, discretization.compliance)
     nothing = np.zeros(len(system.conditions.load_names))
     rested, totals = Equilibrium(rest, 0.0, 0.0), Totals(nothing, nothing)
     met = _sliding(system, unit)
     for notice in met:
         _log.warning(notice)
-    state = State(structure.layout, rested, start, totals, met=met, solver=model.solver.memory(system))
+    state = State(discretization.layout, rested, start, totals, met=met, solver=model.solver.memory(system))
     model.end(state)
     return state
 

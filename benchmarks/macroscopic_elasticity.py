@@ -1,9 +1,9 @@
 """The table of Poisson's ratio against alpha that the package brings along, from periodic saturated structures.
 
-Writes src/fissura/case/bulk_elasticity.csv with --write; without, compares that table with new structures. Modulus of
-elasticity follows from ``E_macro = E (1 - 2 nu)``, which is exact. Some minutes with the defaults. With --density 0.65
-sequential placement gives up at that many nuclei in a cube of side l_min, and its values are compared with those that
-pictures show for it.
+Writes src/fissura/case/macroscopic_elasticity.csv with --write; without, compares that table with new structures.
+Modulus of elasticity follows from ``E_macro = E (1 - 2 nu)``, which is exact. Some minutes with the defaults. With
+--density 0.65 sequential placement gives up at that many nuclei in a cube of side l_min, and its values are compared
+with those that pictures show for it.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
-from fissura.case.macroscopic import bulk_law
+from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.elasticity.homogenise import Homogenisation
 from fissura.elasticity.pictures import SPARSE
 from fissura.elasticity.stiffness import isotropic_part
 from fissura.tessellation.periodic import PeriodicCell, periodic_cell
 
-TABLE = Path(__file__).resolve().parent.parent / "src" / "fissura" / "case" / "bulk_elasticity.csv"
+TABLE = Path(__file__).resolve().parent.parent / "src" / "fissura" / "case" / "macroscopic_elasticity.csv"
 
 ALPHA = (
     *(0.01, 0.0125, 0.015, 0.02, 0.025, 0.03, 0.04, 0.05, 0.0625, 0.075, 0.1, 0.125, 0.15, 0.175, 0.2, 0.225, 0.25),
@@ -31,7 +31,8 @@ ALPHA = (
 HEAD = """\
 # Poisson's ratio nu of the bulk against alpha, tangential over normal stiffness of contacts: mean and standard error
 # over {seeds} periodic structures of saturated nuclei in cubes of side {side:g} l_min ({bodies:.0f} bodies on average).
-# E_macro = E (1 - 2 nu) exactly. Made by: python benchmarks/bulk_elasticity.py --side {side:g} --seeds {seeds} --write
+# E_macro = E (1 - 2 nu) exactly. Made by:
+# python benchmarks/macroscopic_elasticity.py --side {side:g} --seeds {seeds} --write
 alpha,nu,standard_error
 """
 
@@ -95,7 +96,7 @@ def main() -> int:
         TABLE.write_text(text, encoding="utf-8")
         print(text)
         return 0
-    law, missed = bulk_law(), 0
+    law, missed = macroscopic_elasticity(), 0
     for a, m, e in zip(alphas, mean, error, strict=True):
         E, expected = law.macroscopic(1.0, a)
         off = (1.0 - 2.0 * m) / E - 1.0
