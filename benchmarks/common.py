@@ -107,7 +107,7 @@ def _script() -> str:
 
 def _changed(parser: argparse.ArgumentParser, found: argparse.Namespace, name: str) -> list[str]:
     value = getattr(found, name)
-    values = value if isinstance(value, list) else [value]
+    values = [] if value is True else value if isinstance(value, list) else [value]
     return [] if value == parser.get_default(name) else [f"--{name.replace('_', '-')}", *map(str, values)]
 
 

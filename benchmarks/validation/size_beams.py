@@ -13,8 +13,8 @@ NOTCHES = (0.0, 0.2, 0.5)
 RUNS, UNNOTCHED = {50: 5, 100: 5, 200: 3, 400: 2}, {200: 2, 400: 1}
 #: Span and length over depth, as in the tests; thickness [m].
 SPAN, LENGTH, THICKNESS = 2.5, 3.5, 0.05
-#: Runs for the strength end when the load has fallen to this part of its peak, for beams up to 100 mm and above.
-STOP, STOP_LARGE = 0.8, 0.9
+#: Runs for the strength end when the load has fallen to this part of its peak: up to 100 mm, above, largest unnotched.
+STOP, STOP_LARGE, STOP_LARGEST = 0.8, 0.9, 0.95
 #: Beams that run to the end of the tail, how many of each, and the part of the peak at which the tail ends.
 WORK, WORK_RUNS, TAIL = ((50, 0.2), (50, 0.5), (100, 0.5), (200, 0.5)), 3, 0.01
 
@@ -28,7 +28,8 @@ def beam(depth: float, notch: float, fitted: Case, *, tail: bool = False) -> Cas
     middle, rest = 0.5 * LENGTH * depth, 0.5 * (LENGTH - SPAN) * depth
     half = 0.08 * depth if notch else 0.7 * depth  # of the length of the gauge
     scale = depth / 0.05
-    stop = TAIL if tail else STOP if depth < 0.15 else STOP_LARGE
+    large = STOP_LARGEST if depth > 0.3 and not notch else STOP_LARGE
+    stop = TAIL if tail else STOP if depth < 0.15 else large
     case: dict[str, Any] = {
         "name": f"depth {1e3 * depth:g} mm, notch {notch:g}",
         "specimen": {"size": [LENGTH * depth, depth, THICKNESS]},

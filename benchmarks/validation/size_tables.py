@@ -107,19 +107,11 @@ def _table_of_notched(rows: list[dict[str, Any]], modulus: float) -> str:
                 f"{g * at_zero**2 * at / modulus:.1f}",
             ]
         )
-    both = size_laws.together(*series(rows, *NOTCHES[1:]), modulus)
-    lines.append(
-        [
-            "both",
-            "",
-            "",
-            "",
-            f"{both.r2:.3f}",
-            _with(1e3 * both.second, 1e3 * both.errors[1], 1),
-            _with(both.first, both.errors[0], 1),
-            "",
-        ]
-    )
+    for first, last in ((50, 400), (50, 200), (100, 400)):
+        some = [row for row in rows if first <= row["depth"] <= last]
+        both = size_laws.together(*series(some, *NOTCHES[1:]), modulus)
+        zone, energy = _with(1e3 * both.second, 1e3 * both.errors[1], 1), _with(both.first, both.errors[0], 1)
+        lines.append([f"both, {first} to {last} mm", "", "", "", f"{both.r2:.3f}", zone, energy, ""])
     return table(heads, lines)
 
 
