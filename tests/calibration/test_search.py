@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from calibration.synthetic import F_T, G_T, MORE, TRUE, Laboratory
+from calibration.synthetic import F_T, G_T, MORE, PLATEAU, TRUE, Laboratory, with_plateau
 from fissura.calibration.problem import Unknown
+from fissura.calibration.runner import RUNS, RUNS_MORE
 from fissura.calibration.search import Found
 from fissura.case import Case, load_case
 from fissura.errors import InputError
@@ -47,6 +48,37 @@ def test_without_scatter_the_truth_itself_comes_back(case: Case) -> None:
     assert values == pytest.approx([TRUE["material.f_t"], TRUE["material.G_t"]], rel=2e-3)
     assert laboratory.calls[:3] == [(1, 2), (2, 2), (1, 2)]
     assert found.runs == sum(designs * seeds for designs, seeds in laboratory.calls)
+
+
+@pytest.mark.parametrize(
+    ("unknowns", "sizes"),
+    [((F_T, G_T, MORE[0], PLATEAU[0]), (1.0,)), ((F_T, G_T, MORE[0], *PLATEAU), (1.0, 3.0))],
+    ids=["four", "five"],
+)
+def test_four_and_five_unknowns_are_held_as_often_as_said(
+    case: Case, unknowns: tuple[Unknown, ...], sizes: tuple[float, ...]
+) -> None:
+    count, inside = 40, np.zeros(len(unknowns))
+    for k in range(count):
+        laboratory = Laboratory(case, np.random.default_rng(k), unknowns, sizes=sizes, formula=with_plateau)
+        found = laboratory.search(6, 40 * len(sizes))
+        inside += np.abs(off(found, unknowns)) < found.uncertainty.factor
+        assert found.runs <= 40 * len(sizes)
+    # 95 % of the experiments, within what 40 of them can tell, at a level of a thousandth.
+    low, high = binom.ppf([5e-4, 1 - 5e-4], count, 0.95)
+    assert ((low <= inside) & (inside <= high)).all()
+
+
+def test_five_unknowns_settle_within_the_usual_runs(case: Case) -> None:
+    unknowns = (F_T, G_T, MORE[0], *PLATEAU)
+    laboratory = Laboratory(
+        case, np.random.default_rng(1), unknowns, specimens=3, sizes=(1.0, 3.0), formula=with_plateau
+    )
+    few = laboratory.search(6, 80)
+    laboratory.rng = np.random.default_rng(1)
+    many = laboratory.search(6, 2 * (RUNS + 2 * RUNS_MORE))
+    assert not few.converged  # 40 of each test are too few for that, though the intervals hold
+    assert many.converged
 
 
 def test_four_unknowns_from_two_sizes(case: Case) -> None:

@@ -39,12 +39,13 @@ from fissura.results.summary import FORMAT_VERSION, read_summary
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["RUNS", "calibrate", "requested"]
+__all__ = ["RUNS", "RUNS_MORE", "calibrate", "requested"]
 
 _log = logging.getLogger(__name__)
 
-RUNS = 40
-"""Runs at most, of each test, unless told otherwise and unless the first rounds need more."""
+RUNS, RUNS_MORE = 40, 20
+"""Runs at most, of each test, unless told otherwise and unless the first rounds need more; and how many more of each
+unknown beyond the third."""
 
 _FILES = ("calibration.json", "calibration.png", "calibration.html")
 
@@ -95,7 +96,8 @@ def calibrate(
     seeds : int, optional
         Random structures of each full round; 6 by default, at least 2.
     runs : int, optional
-        Runs at most; 40 for each test by default, or what the first rounds need.
+        Runs at most; by default 40 for each test, 20 more for each unknown beyond the third, or what the first rounds
+        need.
     seed : int, optional
         From which the seeds of the structures are spawned; by default that of the (first) case.
     specimens : int, optional
@@ -240,7 +242,8 @@ def _most(problem: Problem, request: Request) -> int:
     """Runs at most."""
     least = least_runs(problem, request.seeds)
     if request.runs is None:
-        return max(RUNS * len(problem.tests), least)
+        usual = RUNS + RUNS_MORE * max(len(problem.unknowns) - 3, 0)
+        return max(usual * len(problem.tests), least)
     if request.runs < least:
         what = f"{request.seeds} seeds, {len(problem.unknowns)} unknowns and {len(problem.tests)} tests"
         raise InputError("runs", f"{request.runs} are too few for {what}", f"at least {least}, or fewer seeds")

@@ -41,7 +41,10 @@ def calibrate(
         typer.Option("--set", metavar="KEY=VALUE", help="A value that the case gets before; repeatable."),
     ] = None,
     seeds: Annotated[int | None, typer.Option(min=2, help="Random structures of a round.", show_default="6")] = None,
-    runs: Annotated[int | None, typer.Option(min=1, help="Runs at most.", show_default="40 for each test")] = None,
+    runs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Runs at most.", show_default="40 for each test, more for more than 3 unknowns"),
+    ] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of all.", show_default="that of the case")] = None,
     specimens: Annotated[
         int | None, typer.Option(min=1, help="Specimens behind what was measured.", show_default="1; 2 of a band")
