@@ -17,7 +17,7 @@ from unittest.mock import patch
 
 import fissura
 from common import Check, Report, example, main, options, say, table
-from fissura.results.saving import CheckpointWriter
+from fissura.running.saving import CheckpointWriter
 
 #: Cases, each adaptive and at full resolution.
 CASES = ("beam_d100", "beam_d200", "beam_d400")

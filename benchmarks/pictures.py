@@ -18,9 +18,9 @@ from PIL import Image
 import fissura
 from fissura.case import case_from_dict
 from fissura.pictures.animation import animate
+from fissura.pictures.comparison_files import save_bodies
 from fissura.pictures.moments import plot_moments
 from fissura.results import Result, compare
-from fissura.results.comparison_files import save_bodies
 from fissura.results.history import FILE, HistoryWriter
 from small_pictures import save_small
 

@@ -51,7 +51,7 @@ import numba
 mark("numba")
 import fissura.case
 mark("case")
-import fissura.simulation.loop, fissura.results.recorder
+import fissura.simulation.loop, fissura.running.recorder
 mark("fissura")
 from fissura import api
 run = api.run

@@ -31,21 +31,21 @@ def build(name, **changes):
 
 @pytest.fixture
 def no_pictures(monkeypatch):
-    monkeypatch.setattr(fissura.results.recorder.Recorder, "_draw", lambda *_: None)
+    monkeypatch.setattr(fissura.running.recorder.Recorder, "_draw", lambda *_: None)
 
 
 @pytest.fixture
 def all_checkpoints(monkeypatch):
     """Every step is followed by a checkpoint, whatever it costs."""
-    monkeypatch.setattr("fissura.results.saving._SHARE", np.inf)
-    monkeypatch.setattr("fissura.results.saving.CheckpointWriter.due", True)
+    monkeypatch.setattr("fissura.running.saving._SHARE", np.inf)
+    monkeypatch.setattr("fissura.running.saving.CheckpointWriter.due", True)
 
 
 @pytest.fixture
 def few_checkpoints(monkeypatch):
     """Every third step is followed by a checkpoint."""
     monkeypatch.setattr(
-        "fissura.results.saving.CheckpointWriter.due", property(lambda self: self._state.state.number % 3 == 0)
+        "fissura.running.saving.CheckpointWriter.due", property(lambda self: self._state.state.number % 3 == 0)
     )
 
 
@@ -321,7 +321,7 @@ def test_another_specimen_is_refused(ended, monkeypatch):
 
 def test_other_versions_are_told(ended, tmp_path, monkeypatch, caplog, no_pictures):
     shutil.copytree(ended, tmp_path / "run")
-    monkeypatch.setattr("fissura.results.resuming.versions", lambda: {"numpy": "9.9"})
+    monkeypatch.setattr("fissura.running.resuming.versions", lambda: {"numpy": "9.9"})
     fissura.run(build("refinement", output__vtk=0), output=tmp_path / "run", resume=True)
     assert "now 9.9: what follows may differ in the last bits" in caplog.text
 
@@ -378,7 +378,7 @@ def test_a_run_goes_on_after_the_disk_was_full(where, tmp_path, no_pictures, few
     folder = tmp_path / "again"
     place = {
         "curve": "fissura.results.curve_writer.CurveWriter.write",
-        "checkpoint": "fissura.results.saving.write_checkpoint",
+        "checkpoint": "fissura.running.saving.write_checkpoint",
         "states": "fissura.results.vtk.write_snapshot",
     }[where]
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fissura.api.check import CheckReport, check
     from fissura.api.pages import report
-    from fissura.api.run import run
     from fissura.calibration.result import Calibration
     from fissura.calibration.runner import calibrate
     from fissura.case import Case, case_from_dict, load_case
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
     from fissura.results import Result
     from fissura.results.compare import compare
     from fissura.results.comparison import Comparison
+    from fissura.running.run import run
     from fissura.simulation.loop import Simulation
 
     __version__: str
@@ -64,7 +64,7 @@ _HOME = {
     "calibrate": "fissura.calibration.runner",
     "load_case": "fissura.case",
     "report": "fissura.api.pages",
-    "run": "fissura.api.run",
+    "run": "fissura.running.run",
     "run_ensemble": "fissura.ensemble.runner",
     "sweep": "fissura.ensemble.sweep",
 }

@@ -54,7 +54,7 @@ def wait_for_release(folder: str) -> str:
 
 
 def warn(x: int) -> int:
-    logging.getLogger("fissura.api.run").warning("something looks wrong in %d", x)
+    logging.getLogger("fissura.running.run").warning("something looks wrong in %d", x)
     return x
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from fissura import Case, InputError
-from fissura.api.run import with_seed
 from fissura.case.types import whole
 from fissura.ensemble.plan import Plan
+from fissura.running.run import with_seed
 
 
 def test_a_case_of_numpy_is_the_same_case(small_case: Callable[..., Case]) -> None:

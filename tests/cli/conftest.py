@@ -29,5 +29,5 @@ def fake(monkeypatch: pytest.MonkeyPatch) -> type[FakeSimulation]:
     module = ModuleType("fissura.simulation.loop")
     module.Simulation = simulation  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "fissura.simulation.loop", module)
-    monkeypatch.setattr(fissura.results.recorder, "Recorder", type("Recorder", (FakeRecorder,), {}))
+    monkeypatch.setattr(fissura.running.recorder, "Recorder", type("Recorder", (FakeRecorder,), {}))
     return simulation

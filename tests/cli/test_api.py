@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from fissura.api import run as api
 from fissura.case import load_case
 from fissura.errors import InputError, RunStopped
 from fissura.progress.live import RunProgress, duration
+from fissura.running import run as api
 from fissura.text.quantities import force
 
 from .fakes import TINY, FakeSimulation

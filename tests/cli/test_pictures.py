@@ -51,7 +51,7 @@ def test_compare_bodies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     compared = SimpleNamespace(table=lambda: [("peak load", "+1 %")], save=lambda path: path.write_text("x"))
     monkeypatch.setattr(import_module("fissura.results.compare"), "compare", lambda a, b: compared)
     drawn: list[Path] = []
-    monkeypatch.setattr("fissura.results.comparison_files.save_bodies", lambda comparison, path: drawn.append(path))
+    monkeypatch.setattr("fissura.pictures.comparison_files.save_bodies", lambda comparison, path: drawn.append(path))
     assert call("compare", "a", "b", "--bodies", "--plot", tmp_path / "p.pdf").exit_code == 0
     assert drawn == [tmp_path / "p_bodies.pdf"]
 

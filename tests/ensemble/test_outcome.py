@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from fissura import Result, run
-from fissura.api import run as api
 from fissura.case import Case
 from fissura.ensemble.outcome import CrackStart, Outcome, compute
 from fissura.ensemble.plan import Plan
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import COLUMNS, read_table, table, write_table
 from fissura.errors import InputError, RunStopped
+from fissura.running import run as api
 
 Build = Callable[..., Case]
 

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from fissura.pictures.crack import FINE, HEAT, plot_crack
-from fissura.results import Recorder
+from fissura.running.recorder import Recorder
 from results.synthetic import random_points, simulation, snapshot, step, voronoi_structure
 
 

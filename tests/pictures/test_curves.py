@@ -6,7 +6,8 @@ from matplotlib.colors import to_rgb
 from fissura.errors import InputError
 from fissura.pictures import curves as pictures
 from fissura.pictures.curves import plot_curve
-from fissura.results import Recorder, compare_results
+from fissura.results import compare_results
+from fissura.running.recorder import Recorder
 from results.synthetic import simulation, snapping, step
 
 

@@ -6,7 +6,8 @@ from matplotlib.lines import Line2D
 from fissura.pictures.crack import plot_crack
 from fissura.pictures.curves import headline, plot_curve
 from fissura.pictures.lettering import GAP, SMALLEST, fit, legend_below, literal, may_shrink, rendered, save
-from fissura.results import Recorder, compare_results
+from fissura.results import compare_results
+from fissura.running.recorder import Recorder
 from results.synthetic import case, simulation, steps
 
 AWKWARD = [

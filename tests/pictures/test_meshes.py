@@ -13,8 +13,9 @@ from fissura.errors import InputError
 from fissura.pictures import pyvista_tools
 from fissura.pictures.meshes import meshes_of, step_of
 from fissura.pictures.result_window import result_view, skin_of
-from fissura.results import Recorder, Result
+from fissura.results import Result
 from fissura.results.vtk import write_snapshot
+from fissura.running.recorder import Recorder
 from results.pictured import SIZE, coarse_and_fine
 from results.synthetic import simulation, snapshot, step
 

@@ -7,11 +7,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from fissura.errors import InputError
+from fissura.pictures.comparison_files import save_bodies
 from fissura.pictures.moments import moments, plot_moments
 from fissura.pictures.side_view import COARSE, FINE, HEAT, SideView, look_of
 from fissura.pictures.support_symbols import symbols
 from fissura.results import Result, compare
-from fissura.results.comparison_files import save_bodies
 from fissura.results.history import read_history
 from results.pictured import LOADS, record, share
 from results.synthetic import case

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
-from fissura.results import Recorder, Result
+from fissura.results import Result
+from fissura.running.recorder import Recorder
 from results.synthetic import random_points, simulation, snapshot, step, voronoi_structure
 
 SIZE = np.array([0.02, 0.01, 0.01])

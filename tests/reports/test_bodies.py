@@ -9,7 +9,8 @@ import pytest
 
 from fissura.reports.bodies import MOST_STEPS, chosen, shown_steps, states_of
 from fissura.reports.packed import packed_size
-from fissura.results import Recorder, Result
+from fissura.results import Result
+from fissura.running.recorder import Recorder
 from results.synthetic import random_points, simulation, snapshot, stack, step, voronoi_structure
 
 from .unpacking import dequantised

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fissura.results import Recorder
+from fissura.running.recorder import Recorder
 
 from .synthetic import random_points, simulation, snapshot, step, voronoi_structure
 

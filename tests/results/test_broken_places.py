@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from fissura.case import case_from_dict
-from fissura.results import Recorder, Result
+from fissura.results import Result
 from fissura.results.broken_places import torn_at_places
 from fissura.results.curve import columns, row
+from fissura.running.recorder import Recorder
 from fissura.simulation.loop import Simulation
 
 from .synthetic import simulation, step

@@ -8,8 +8,9 @@ import pytest
 
 from fissura.case import Case, case_from_dict
 from fissura.errors import InputError
-from fissura.results import Recorder, compare, compare_results
+from fissura.results import compare, compare_results
 from fissura.results.comparable import SPECIMEN, common_quantity, comparison_notices
+from fissura.running.recorder import Recorder
 
 from .synthetic import case, simulation, step
 

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
-from fissura.results import Recorder, compare, compare_results
+from fissura.results import compare, compare_results
+from fissura.running.recorder import Recorder
 
 from .synthetic import SNAP_BACK, simulation, snapping, step
 

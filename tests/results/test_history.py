@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
-from fissura.results import Recorder, Result
+from fissura.results import Result
 from fissura.results.history import FILE, read_history
 from fissura.results.section import outlines
+from fissura.running.recorder import Recorder
 
 from .synthetic import random_points, simulation, snapshot, step, voronoi_structure
 

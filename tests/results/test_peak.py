@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from fissura.pictures.moments import moments
-from fissura.results import Recorder, compare_results
+from fissura.results import compare_results
 from fissura.results.peak import negative_before_peak, peak_position
+from fissura.running.recorder import Recorder
 
 from .synthetic import simulation, steps
 

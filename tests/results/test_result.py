@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
-from fissura.results import Recorder, Result
+from fissura.results import Result
+from fissura.running.recorder import Recorder
 
 from .synthetic import simulation, steps
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
-from fissura.results import Recorder, Result, xarrays
+from fissura.results import Result, xarrays
+from fissura.running.recorder import Recorder
 
 from .pictured import record
 from .synthetic import simulation

@@ -118,7 +118,7 @@ def compare(
             comparison.save(picture)
         pictures = [picture]
         if bodies:
-            from fissura.results.comparison_files import save_bodies
+            from fissura.pictures.comparison_files import save_bodies
 
             beside = picture.with_name(f"{picture.stem}_bodies{picture.suffix}")
             with writing(beside):

@@ -52,9 +52,9 @@ def run(
     """Run a case and write its results."""
     quiet |= json
     with errors(json=json), interruptible(_nothing if json else say), report_at_end(wanted=report):
-        from fissura.api import run as api
         from fissura.case import load_case
         from fissura.progress.live import RunProgress
+        from fissura.running import run as api
 
         loaded = load_case(case)
         folder = output if output is not None else Path("results") / (loaded.name + ("_full" if full else ""))

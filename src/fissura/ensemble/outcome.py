@@ -121,7 +121,7 @@ def compute(task: Task) -> Outcome:
 
 
 def _computed(task: Task, folder: Path | None) -> Outcome:
-    from fissura.api import run as api
+    from fissura.running import run as api
 
     start = CrackStart(task.case.material.G_t / task.case.material.f_t)
     result: Result

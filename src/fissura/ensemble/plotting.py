@@ -13,7 +13,8 @@ from fissura.ensemble.table import COLUMNS, varied_keys
 from fissura.errors import InputError
 from fissura.pictures.curves import BLUE, tidy
 from fissura.pictures.lettering import literal
-from fissura.pictures.plotting import column_among, new_axes, scaled_axis, split_unit
+from fissura.pictures.plotting import new_axes, scaled_axis
+from fissura.results.column_names import column_among, split_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

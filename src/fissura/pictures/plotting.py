@@ -2,36 +2,30 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.errors import InputError
 from fissura.pictures.curves import BLUE, tidy
 from fissura.pictures.lettering import literal
-from fissura.results.curve import COLUMN_OF, TEXTS
+from fissura.results.column_names import column_named, split_unit
+from fissura.results.curve import COLUMN_OF
 from fissura.results.names import load_name, value_axis
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from matplotlib.axes import Axes
 
     from fissura.case import Case
     from fissura.results.result import Result
 
 __all__ = [
-    "column_among",
-    "column_named",
     "column_title",
     "new_axes",
     "plot_columns",
     "scale_of",
     "scaled_axis",
-    "split_unit",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -44,61 +38,6 @@ SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
     "s": ((np.inf, 1.0, "s"),),
 }
 """Of each unit in names of columns: below which value, with which factor, in which unit it is shown."""
-
-
-def column_named(columns: Iterable[str], name: str, key: str) -> str:
-    """The column that is meant: its name may be without the unit.
-
-    Parameters
-    ----------
-    columns : iterable of str
-        Those that there are.
-    name : str
-        What was asked for.
-    key : str
-        Where, for the message.
-
-    Raises
-    ------
-    InputError
-        There is none, or it holds words.
-
-    Examples
-    --------
-    >>> column_named(["gauge_m", "load_N"], "load", "y")
-    'load_N'
-    """
-    if name in TEXTS:
-        raise InputError(key, f"{name!r} holds words", ", ".join(column for column in columns if column not in TEXTS))
-    return column_among([column for column in columns if column not in TEXTS], name, key)
-
-
-def column_among(columns: Sequence[str], name: str, key: str, of: str = "the curve") -> str:
-    """The column that is meant: its name may be without the unit.
-
-    Raises
-    ------
-    InputError
-        There is none.
-    """
-    found = [column for column in columns if name in (column, split_unit(column)[0])]
-    if found:
-        return found[0]
-    near = difflib.get_close_matches(str(name), [*columns, *(split_unit(column)[0] for column in columns)], n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    raise InputError(key, f"{name!r} is no column of {of}{hint}", ", ".join(columns))
-
-
-def split_unit(column: str) -> tuple[str, str]:
-    """Name of a column without its unit, and the unit, which may be empty.
-
-    Examples
-    --------
-    >>> split_unit("support_0_moment_x_Nm")
-    ('support_0_moment_x', 'Nm')
-    """
-    stem, _, last = column.rpartition("_")
-    return (stem, last) if stem and last in SCALES else (column, "")
 
 
 def plot_columns(result: Result, x: str | None, y: str, ax: Axes | None, line: dict[str, Any]) -> Axes:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fissura.errors import InputError
-from fissura.pictures.plotting import column_title, scale_of, split_unit
+from fissura.pictures.plotting import column_title, scale_of
+from fissura.results.column_names import split_unit
 from fissura.results.curve import COLUMN_OF, TEXTS
 from fissura.results.measured import read_measured
 

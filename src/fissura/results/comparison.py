@@ -285,7 +285,7 @@ class Comparison:
         --------
         >>> path = both.save("compare.png")
         """
-        from fissura.results.comparison_files import saved
+        from fissura.pictures.comparison_files import saved
 
         return saved(self, Path(path))
 

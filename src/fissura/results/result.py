@@ -143,7 +143,7 @@ class Result(Numbers):
         >>> Result.load(folder).peak_load == result.peak_load
         True
         """
-        from fissura.results.storing import stored
+        from fissura.running.storing import stored
 
         return stored(self, path, overwrite=overwrite)
 

@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING, Any
 from fissura.errors import InputError
 from fissura.files.folder import Folder
 from fissura.machine.interrupts import shielded
-from fissura.results.chosen import ChosenStates
 from fissura.results.curve import COLUMN_OF, COLUMNS, GrowingCurve, case_columns, row
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.result import Result
-from fissura.results.run_log import FILE as LOG
-from fissura.results.run_log import RunLog
-from fissura.results.saving import CheckpointWriter
 from fissura.results.state import LAST, write_state
-from fissura.results.storing import draw_pictures, write_case
 from fissura.results.summary import build_summary, peak_memory, write_summary
+from fissura.running.chosen import ChosenStates
+from fissura.running.run_log import FILE as LOG
+from fissura.running.run_log import RunLog
+from fissura.running.saving import CheckpointWriter
+from fissura.running.storing import draw_pictures, write_case
 
 if TYPE_CHECKING:
-    from fissura.results.resuming import Begun
+    from fissura.running.resuming import Begun
     from fissura.simulation.loop import Simulation
     from fissura.simulation.state import State
     from fissura.simulation.step import Moment, Snapshot, Step

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fissura.case import case_from_dict
-from fissura.results.checkpoint import Checkpoint
 from fissura.results.curve import COLUMN_OF
 from fissura.results.done import Done
 from fissura.results.peak import peak_position
 from fissura.results.provenance import versions
+from fissura.running.checkpoint import Checkpoint
 from fissura.simulation.legs import extended
 from fissura.simulation.saved import restored
 from fissura.simulation.step import Moment

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fissura.case.continued import as_data
-from fissura.results.checkpoint import FILE, Checkpoint, write_checkpoint
 from fissura.results.history import FILE as SECTIONS
 from fissura.results.provenance import versions
 from fissura.results.summary import peak_memory
+from fissura.running.checkpoint import FILE, Checkpoint, write_checkpoint
 from fissura.simulation.saved import Noted, SavedState
 
 if TYPE_CHECKING:

@@ -74,7 +74,7 @@ def stored(result: Result, path: str | Path, *, overwrite: bool) -> Path:
 def _written(result: Result, folder: Folder) -> None:
     """Write what is in memory, the summary last, as runs do."""
     from fissura.material import field_from_case
-    from fissura.results.chosen import ChosenStates
+    from fissura.running.chosen import ChosenStates
     from fissura.specimen import domain_from_case
 
     own, case, domain = _owner(folder), result.case, domain_from_case(result.case)

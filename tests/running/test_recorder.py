@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import fissura.results.curve as curve_module
-import fissura.results.recorder as recorder_module
+import fissura.running.recorder as recorder_module
 from fissura.errors import InputError
 from fissura.machine.interrupts import interruptible
-from fissura.results import Recorder, Result, read_curve
-
-from .synthetic import simulation, snapping, steps
+from fissura.results import Result, read_curve
+from fissura.running.recorder import Recorder
+from results.synthetic import simulation, snapping, steps
 
 LOADS = [100.0, 200.0, 300.0, 250.0, 220.0, 200.0, 180.0, 150.0, 120.0, 100.0]
 

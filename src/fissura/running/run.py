@@ -23,9 +23,9 @@ from fissura.simulation.observer import Observer, watched
 if TYPE_CHECKING:
     from fissura.progress.live import RunProgress
     from fissura.results import Result
-    from fissura.results.checkpoint import Checkpoint
-    from fissura.results.recorder import Recorder
-    from fissura.results.resuming import Begun
+    from fissura.running.checkpoint import Checkpoint
+    from fissura.running.recorder import Recorder
+    from fissura.running.resuming import Begun
     from fissura.simulation.loop import Simulation
     from fissura.simulation.state import State
     from fissura.simulation.step import Step
@@ -111,7 +111,7 @@ def run(
             raise InputError(
                 "--resume", "goes on with the run in a folder, and does not replace it", "output, and no --overwrite"
             )
-        from fissura.results.checkpoint import checkpoint_in
+        from fissura.running.checkpoint import checkpoint_in
 
         checkpoint_in(Path(output))
     folder = None if output is None else prepare_folder(output, "run", overwrite=overwrite, go_on=resume)
@@ -160,7 +160,7 @@ def _shown(case: Case, progress: bool | None) -> AbstractContextManager[RunProgr
 
 def _begins_from(folder: Path, case: Case, *, full: bool) -> tuple[Case, Checkpoint]:
     """The case with which a run goes on, and the checkpoint from which it does."""
-    from fissura.results.checkpoint import read_checkpoint
+    from fissura.running.checkpoint import read_checkpoint
 
     found = read_checkpoint(folder)
     if found.full != full:
@@ -170,7 +170,7 @@ def _begins_from(folder: Path, case: Case, *, full: bool) -> tuple[Case, Checkpo
 
 
 def _begun(simulation: Simulation, checkpoint: Checkpoint) -> Begun:
-    from fissura.results.resuming import begun
+    from fissura.running.resuming import begun
 
     return begun(simulation, checkpoint)
 
@@ -189,7 +189,7 @@ def _recorded(
     simulation: Simulation, folder: Path | None, before: Begun | None, observers: tuple[Observer, ...]
 ) -> Result:
     """Step to the end, recording; save whatever there is when the run ends early."""
-    from fissura.results.recorder import Recorder
+    from fissura.running.recorder import Recorder
 
     number = 0 if before is None else before.last.number
     controlled = 0.0 if before is None else before.last.controlled

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
-from fissura.results import Recorder, Result
-from fissura.results.storing import Folder
-
-from .pictured import record
-from .synthetic import simulation, steps
+from fissura.results import Result
+from fissura.running.recorder import Recorder
+from fissura.running.storing import Folder
+from results.pictured import record
+from results.synthetic import simulation, steps
 
 
 def same(a: Any, b: Any) -> None:

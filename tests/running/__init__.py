@@ -1,0 +1,1 @@
+"""Tests of runs from their case to their folder."""
