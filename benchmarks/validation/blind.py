@@ -65,6 +65,25 @@ def produce(found: argparse.Namespace) -> Report:
     return Report("blind", rows, "\n\n".join(parts), checks)
 
 
+#: What each section opens with.
+OPENING = {
+    "Grégoire's beam": (
+        "**Fitted:** nothing here. **Predicted:** peak, curve and scatter, **blind**. **Case:** "
+        "`gregoire_d50_unnotched.toml`. **Constants:** those that were fitted to the half-notched beam. "
+        "**Seeds:** 10, other structures than those of the fit."
+    ),
+    "Mixed mode": (
+        "**Fitted:** nothing. **Predicted:** peak, curve and path of the crack, **blind**. **Case:** "
+        "`garcia_alvarez_mixed_mode.toml`. **Constants:** as published for the concrete, by the rule above. "
+        "**Seeds:** 10, and 3 with larger bodies."
+    ),
+    "Wedge splitting": (
+        "**Fitted:** nothing. **Predicted:** splitting force for a range of concretes, **blind**. **Case:** "
+        "`wedge_splitting.toml`. **Constants:** `E` and ν as published, strength and fracture energy over a "
+        "range, by the rule above. **Seeds:** 10 of the middle concrete, 3 of the others."
+    ),
+}
+
 TITLE = """\
 ## Predicted: what was computed
 
@@ -107,6 +126,7 @@ def unnotched(found: argparse.Namespace) -> tuple[str, list[Predicted]]:
     )
     text = [
         "### Grégoire's beam without a notch",
+        OPENING["Grégoire's beam"],
         picture,
         table(HEADS, [_line(short), _line(long)]),
         table(["opening [µm]", *(f"{1e6 * u:g}" for u in openings)], [_curve(short, openings), _curve(long, openings)]),
@@ -133,6 +153,7 @@ def mixed(found: argparse.Namespace) -> tuple[str, list[Predicted]]:
     angle = float(np.degrees(np.arctan2(*np.polyfit(rise, middle - 0.075, 1)[:1], 1.0)))
     text = [
         "### Mixed mode, García-Álvarez, Gettu and Carol",
+        OPENING["Mixed mode"],
         _picture("blind_mixed", found, every[:1], "Notch beside the middle", "constants as published", paths=paths),
         table(HEADS, [_line(one) for one in every]),
         table(["opening [µm]", *(f"{1e6 * u:g}" for u in openings)], [_curve(one, openings) for one in every]),
@@ -158,6 +179,7 @@ def wedge(found: argparse.Namespace) -> tuple[str, list[Predicted]]:
     openings = [0.05e-3, 0.1e-3, 0.2e-3, 0.4e-3, 0.7e-3, 1e-3]
     text = [
         "### Wedge splitting",
+        OPENING["Wedge splitting"],
         _picture("blind_wedge", found, every, "Splitting force", "opening at the load line"),
         table(HEADS, [_line(one) for one in every]),
         table(["opening [µm]", *(f"{1e6 * u:g}" for u in openings)], [_curve(one, openings) for one in every]),
