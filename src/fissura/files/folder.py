@@ -14,7 +14,7 @@ from fissura.errors import InputError
 from fissura.files.atomic import part_of
 from fissura.files.earlier import kind_before_marks, names_before_marks
 
-__all__ = ["MARK", "Folder", "FolderKind", "claimed", "copied", "kind_of", "prepare_folder"]
+__all__ = ["MARK", "Folder", "FolderKind", "claimed", "copied", "copy_files", "kind_of", "prepare_folder"]
 
 FolderKind = Literal["run", "ensemble", "study", "elastic", "calibration"]
 """What a folder of results is of."""
@@ -78,6 +78,11 @@ class Folder:
             self._known.update(new)
             with (self.path / MARK).open("a", encoding="utf-8") as mark:
                 mark.write("".join(f"{name}\n" for name in new))
+
+    def own(self, *names: str) -> Path:
+        """List files that are about to be written, and return the path of the first one."""
+        self.add(*names)
+        return self.path / names[0]
 
     def names(self) -> Iterator[str]:
         """What the mark lists; without one, what an earlier version wrote into such a folder."""
@@ -200,16 +205,22 @@ def copied(source: Path, target: str | Path, kind: FolderKind, *, overwrite: boo
     folder = prepare_folder(target, kind, overwrite=overwrite)
     if folder.resolve() == source.resolve():
         raise InputError("save", f"{folder} is the folder of the {kind} itself", "another folder")
-    own = Folder.begun(folder, kind)
-    for name in dict.fromkeys(Folder(source).names()):
-        old, new = source / name, folder / name
-        own.add(name)
+    copy_files(Folder(source), Folder.begun(folder, kind))
+    return folder
+
+
+def copy_files(source: Folder, target: Folder, last: str = "") -> None:
+    """Copy what a folder lists into another one, folders with all that is in them, and the file with this name last."""
+    for name in sorted(dict.fromkeys(source.names()), key=lambda name: name == last):
+        old = source.path / name
+        if not old.exists():
+            continue
+        new = target.own(name)
         new.parent.mkdir(parents=True, exist_ok=True)
         if old.is_dir():
             shutil.copytree(old, new, dirs_exist_ok=True)
-        elif old.is_file():
+        else:
             shutil.copy2(old, new)
-    return folder
 
 
 def _is_nothing(path: Path) -> bool:

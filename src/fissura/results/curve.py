@@ -41,33 +41,42 @@ Curve = dict[str, NDArray[Any]]
 Row = dict[str, float | str]
 """Column name -> its value in one step."""
 
-COLUMNS: tuple[str, ...] = (
-    "step",
-    "gauge_m",
-    "load_N",
-    "load_displacement_m",
-    "bodies",
-    "fine_bodies",
-    "refinements",
-    "coarsenings",
-    "iterations",
-    "linear_iterations",
-    "factorizations",
-    "dissipated_J",
-    "stored_J",
-    "work_J",
-    "exchanged_J",
-    "dissipated_at_places_J",
-    "unbalanced_N",
-    "unbalanced_Nm",
-    "max_elastic_utilisation",
-    "residual",
-    "cpu_s",
-    "wall_s",
-    "control",
-    "stage",
-)
+_TABLE: dict[str, tuple[str, type]] = {
+    "step": ("number", int),
+    "gauge_m": ("gauge", float),
+    "load_N": ("load", float),
+    "load_displacement_m": ("load_displacement", float),
+    "bodies": ("bodies", int),
+    "fine_bodies": ("fine_bodies", int),
+    "refinements": ("refinements", int),
+    "coarsenings": ("coarsenings", int),
+    "iterations": ("iterations", int),
+    "linear_iterations": ("linear_iterations", int),
+    "factorizations": ("factorizations", int),
+    "dissipated_J": ("dissipated", float),
+    "stored_J": ("stored", float),
+    "work_J": ("work", float),
+    "exchanged_J": ("exchanged", float),
+    "dissipated_at_places_J": ("", float),
+    "unbalanced_N": ("", float),
+    "unbalanced_Nm": ("", float),
+    "max_elastic_utilisation": ("max_elastic_utilisation", float),
+    "residual": ("residual", float),
+    "cpu_s": ("", float),
+    "wall_s": ("", float),
+    "control": ("control", str),
+    "stage": ("stage", int),
+}
+"""Columns of every ``curve.csv`` in order: what of a `Step` they hold, where that is all, and their type."""
+
+COLUMNS: tuple[str, ...] = tuple(_TABLE)
 """Columns of every ``curve.csv`` in order; the part after the last underscore is the unit, if there is one."""
+
+COUNTS = frozenset(name for name, (_, kind) in _TABLE.items() if kind is int)
+"""Columns of whole numbers."""
+
+TEXTS = frozenset(name for name, (_, kind) in _TABLE.items() if kind is str)
+"""Columns of words."""
 
 REACTION: tuple[str, ...] = tuple(
     f"{kind}_{axis}_{unit}" for kind, unit in (("force", "N"), ("moment", "Nm")) for axis in "xyz"
@@ -85,24 +94,6 @@ ENERGY_AT = "dissipated_at_{}_J"
 
 COLUMN_OF: dict[Quantity, str] = {"gauge": "gauge_m", "displacement": "load_displacement_m"}
 """Column of each quantity that may be controlled."""
-
-COUNTS = frozenset(
-    {
-        "step",
-        "bodies",
-        "fine_bodies",
-        "refinements",
-        "coarsenings",
-        "iterations",
-        "linear_iterations",
-        "factorizations",
-        "stage",
-    }
-)
-"""Columns of whole numbers."""
-
-TEXTS = frozenset({"control"})
-"""Columns of words."""
 
 LATER = frozenset(
     {
@@ -160,41 +151,23 @@ def row(step: Step, cpu_s: float, wall_s: float) -> Row:
     """
     *at, at_all = step.dissipated_at.tolist()
     force, moment = (float(np.linalg.norm(part)) for part in (step.rest[:3], step.rest[3:]))
-    more: Row = {}
-    for name in step.forces:
-        if name != LOAD:
-            of_load = (step.forces[name], step.displacements[name])
-            more |= zip((column.format(name) for column in NAMED), of_load, strict=True)
-    more |= zip(_gauge_columns(step.gauges), (v for name, v in step.gauges.items() if name != "gauge"), strict=True)
-    places = _place_columns([name for name in step.forces if name != GRAVITY], step.held)
-    more |= zip(places, [*at, *step.reactions.ravel().tolist()], strict=True)
-    return {
-        "step": step.number,
-        "gauge_m": step.gauge,
-        "load_N": step.load,
-        "load_displacement_m": step.load_displacement,
-        "bodies": step.bodies,
-        "fine_bodies": step.fine_bodies,
-        "refinements": step.refinements,
-        "coarsenings": step.coarsenings,
-        "iterations": step.iterations,
-        "linear_iterations": step.linear_iterations,
-        "factorizations": step.factorizations,
-        "dissipated_J": step.dissipated,
-        "stored_J": step.stored,
-        "work_J": step.work,
-        "exchanged_J": step.exchanged,
+    found: Row = {
+        **{name: getattr(step, attribute) for name, (attribute, _) in _TABLE.items() if attribute},
         "dissipated_at_places_J": at_all,
         "unbalanced_N": force,
         "unbalanced_Nm": moment,
-        "max_elastic_utilisation": step.max_elastic_utilisation,
-        "residual": step.residual,
         "cpu_s": cpu_s,
         "wall_s": wall_s,
-        "control": step.control,
-        "stage": step.stage,
-        **more,
     }
+    found = {name: found[name] for name in COLUMNS}
+    for name in step.forces:
+        if name != LOAD:
+            of_load = (step.forces[name], step.displacements[name])
+            found |= zip((column.format(name) for column in NAMED), of_load, strict=True)
+    found |= zip(_gauge_columns(step.gauges), (v for name, v in step.gauges.items() if name != "gauge"), strict=True)
+    places = _place_columns([name for name in step.forces if name != GRAVITY], step.held)
+    found |= zip(places, [*at, *step.reactions.ravel().tolist()], strict=True)
+    return found
 
 
 def columns(rows: Iterable[Mapping[str, float | str]]) -> Curve:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fissura.case.continued import as_data
@@ -121,7 +120,7 @@ class CheckpointWriter:
         parts = [SECTIONS] if at_end else before
         if not at_end and self._history.steps > self._steps:
             parts = [*before, f".section_{len(before):04d}.npz"]
-            self._history.write(self._own(parts[-1]), self._steps)
+            self._history.write(self._folder.own(parts[-1]), self._steps)
         same = self._peak is self._state
         self._state = _saved(self._state)
         self._peak = self._state if same else _saved(self._peak)
@@ -140,16 +139,12 @@ class CheckpointWriter:
             wall_s,
             self.memory,
         )
-        write_checkpoint(self._own(FILE), checkpoint)
+        write_checkpoint(self._folder.own(FILE), checkpoint)
         self._parts, self._steps = parts, self._history.steps
         for name in set(before) - set(parts):
             (self._folder.path / name).unlink(missing_ok=True)
         now = time.monotonic()
         self._next = now + max(self._every, (now - began) / _SHARE)
-
-    def _own(self, name: str) -> Path:
-        self._folder.add(name)
-        return self._folder.path / name
 
 
 def _saved(found: SavedState | Noted) -> SavedState:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically, write_json
-from fissura.files.folder import Folder, prepare_folder
+from fissura.files.folder import Folder, copy_files, prepare_folder
 from fissura.files.lock import locked
 from fissura.pictures.attempted import attempted
 from fissura.results.curve_writer import CurveWriter
@@ -77,7 +76,7 @@ def _written(result: Result, folder: Folder) -> None:
     from fissura.running.chosen import ChosenStates
     from fissura.specimen import domain_from_case
 
-    own, case, domain = _owner(folder), result.case, domain_from_case(result.case)
+    own, case, domain = folder.own, result.case, domain_from_case(result.case)
     write_case(case, own)
     CurveWriter(own("curve.csv"), tuple(result.curve), result.curve).close()
     states = ChosenStates(case, folder.path, own)
@@ -93,15 +92,10 @@ def _written(result: Result, folder: Folder) -> None:
 
 def _copied(result: Result, source: Folder, folder: Folder) -> None:
     """Copy the files of a run, and write states that are in memory only."""
-    own = _owner(folder)
-    names = [name for name in source.names() if (source.path / name).is_file()]
-    for name in sorted(names, key=lambda name: name == _SUMMARY):
-        target = own(name)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(source.path / name, target)
+    copy_files(source, folder, last=_SUMMARY)
     for moment in _moments(result):
         if moment.number != result.steps and not (folder.path / state_file(moment.number)).exists():
-            write_state(own(state_file(moment.number)), moment)
+            write_state(folder.own(state_file(moment.number)), moment)
 
 
 def _moments(result: Result) -> list[Moment]:
@@ -113,11 +107,3 @@ def _moments(result: Result) -> list[Moment]:
         for number, snapshot in result.snapshots.items()
         for k in [rows[number]]
     ]
-
-
-def _owner(folder: Folder) -> Own:
-    def own(*names: str) -> Path:
-        folder.add(*names)
-        return folder.path / names[0]
-
-    return own
