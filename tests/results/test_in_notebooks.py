@@ -17,10 +17,10 @@ from PIL import Image
 
 from fissura.api.check import CheckReport
 from fissura.errors import InputError
-from fissura.pictures.plotting import SCALES
 from fissura.results import Result, compare, dataframe
-from fissura.results.column_names import UNITS, column_named, split_unit
+from fissura.results.column_names import column_named
 from fissura.running.recorder import Recorder
+from fissura.text.units import split_unit
 
 from .synthetic import simulation, steps
 
@@ -93,7 +93,6 @@ def test_columns_that_are_none(result: Result, columns: Any, key: str, told: str
 
 
 def test_units_in_names() -> None:
-    assert set(SCALES) == UNITS
     assert split_unit("max_elastic_utilisation") == ("max_elastic_utilisation", "")
     assert split_unit("dissipated_at_places_J") == ("dissipated_at_places", "J")
     assert split_unit("m") == ("m", "")

@@ -8,9 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fissura.pictures.curves import BLUE, LIGHT, ORANGE, fill_measured, gauge_unit, headline, legend, load_unit, tidy
+from fissura.pictures.curves import BLUE, LIGHT, ORANGE, fill_measured, headline, legend, tidy
 from fissura.results.load_path import NAMES
 from fissura.results.measured import MeasuredBand
+from fissura.text.units import scale_of
 
 if TYPE_CHECKING:
     from fissura.calibration.result import Calibration, Fit
@@ -36,8 +37,8 @@ def plot_calibration(result: Calibration) -> Figure:
 
 def draw_fit(axes: Axes, fit: Fit) -> None:
     """Draw the curves of a test: measured, computed with each seed, their mean, and the mean at the estimate."""
-    x, x_unit = gauge_unit(float(fit.x.max()))
-    y, y_unit = load_unit(float(np.abs(fit.upper).max()))
+    x, x_unit = scale_of("m", float(fit.x.max()))
+    y, y_unit = scale_of("N", float(np.abs(fit.upper).max()))
     fill_measured(axes, MeasuredBand(fit.x, fit.lower, fit.upper), x, y)
     for k, load in enumerate(fit.seeds):
         label = f"computed, {len(fit.seeds)} seeds" if k == 0 else None

@@ -16,17 +16,15 @@ from fissura.pictures.curves import (
     INK,
     LIGHT,
     ORANGE,
-    energy_unit,
     fill_measured,
-    gauge_unit,
     headline,
     legend,
-    load_unit,
     tidy,
 )
 from fissura.results.load_path import NAMES, LoadPath
 from fissura.results.measured import read_measured
 from fissura.results.names import load_name, value_axis
+from fissura.text.units import scale_of
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -75,8 +73,8 @@ def draw_curves(result: EnsembleResult, axes: Axes, line: Mapping[str, Any], ban
     found, case = result.band, result.plan.case
     over_energy = found is not None and found.over == "dissipated energy"
     paths = result.paths
-    x, x_unit = gauge_unit(max(float(path.value.max()) for path in paths.values()))
-    y, y_unit = load_unit(max(float(np.abs(path.load).max()) for path in paths.values()))
+    x, x_unit = scale_of("m", max(float(path.value.max()) for path in paths.values()))
+    y, y_unit = scale_of("N", max(float(np.abs(path.load).max()) for path in paths.values()))
     _measured(axes, case, x, y)
     own = line if found is None or (over_energy and banded is None) else {}
     finished = set(result.runs["number"][result.runs["status"] == "finished"].tolist())
@@ -88,7 +86,7 @@ def draw_curves(result: EnsembleResult, axes: Axes, line: Mapping[str, Any], ban
     if found is not None and not over_energy:
         _band(banded or axes, found, x, y, line)
     elif found is not None and banded is not None:
-        u, u_unit = energy_unit(float(found.abscissa[-1]))
+        u, u_unit = scale_of("J", float(found.abscissa[-1]))
         _band(banded, found, u, y, line)
         banded.set_xlabel(f"dissipated energy [{u_unit}]")
         banded.set_ylabel(f"{load_name(case)} [{y_unit}]")

@@ -11,10 +11,11 @@ import numpy as np
 
 from fissura.ensemble.study_pictures import colours
 from fissura.errors import InputError
-from fissura.pictures.curves import energy_unit, gauge_unit, load_unit
-from fissura.reports.view import Marks, legend_of, scene_of
+from fissura.pictures.specimen_signs import signs_of
+from fissura.reports.view import Marks, scene_of
 from fissura.results.names import load_name, value_axis
 from fissura.specimen import domain_from_case
+from fissura.text.units import scale_of
 
 if TYPE_CHECKING:
     from fissura.ensemble.band import Band
@@ -53,7 +54,7 @@ def page_data(result: EnsembleResult) -> tuple[dict[str, Any], dict[str, Any]]:
         domain = domain_from_case(case)
         marks = None if result.plan.vary else _starts(result)
         scene = scene_of(case, domain, marks=marks)
-        told = {"signs": legend_of(case, domain), "marked": 0 if marks is None else len(marks[1])}
+        told = {"signs": signs_of(case, domain).legend, "marked": 0 if marks is None else len(marks[1])}
     except InputError:
         pass  # a file that describes the specimen is gone
     names = [view["name"] for view in views]
@@ -66,8 +67,8 @@ def _views(result: EnsembleResult) -> list[dict[str, Any]]:
     if not result.paths:
         return []
     case, paths = result.plan.case, _some(result.paths)
-    x, x_unit = gauge_unit(max(float(path.value.max()) for path in result.paths.values()))
-    y, y_unit = load_unit(max(float(np.abs(path.load).max()) for path in result.paths.values()))
+    x, x_unit = scale_of("m", max(float(path.value.max()) for path in result.paths.values()))
+    y, y_unit = scale_of("N", max(float(np.abs(path.load).max()) for path in result.paths.values()))
     band = None if result.plan.vary else result.band
     over_energy = band is not None and band.over == "dissipated energy"
     shade = _shades(result)
@@ -78,7 +79,7 @@ def _views(result: EnsembleResult) -> list[dict[str, Any]]:
     first = _named_once(lines) + ([] if band is None or over_energy else _band(band, x, y))
     views = [{"name": f"over the {value}", "x": f"{value} [{x_unit}]", **labels, "traces": first}]
     if band is not None and over_energy:
-        u, u_unit = energy_unit(float(band.abscissa[-1]))
+        u, u_unit = scale_of("J", float(band.abscissa[-1]))
         lines = []
         for number, path in paths.items():
             with suppress(InputError):  # it stopped before it dissipated anything
@@ -156,5 +157,5 @@ def _starts(result: EnsembleResult) -> Marks | None:
     known = np.isfinite(places).all(axis=1) & np.isfinite(peaks)
     if not known.any():
         return None
-    factor, unit = load_unit(float(peaks[known].max()))
+    factor, unit = scale_of("N", float(peaks[known].max()))
     return "starts", places[known], factor * peaks[known], f"peak load of the run [{unit}]"

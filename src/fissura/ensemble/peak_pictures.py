@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from fissura.ensemble.distributions import GAUSSIAN, WEIBULL, Family, Fit, median_ranks
 from fissura.ensemble.result import EnsembleResult
-from fissura.pictures.curves import BLUE, INK, LIGHT, ORANGE, headline, legend, load_unit, tidy
+from fissura.pictures.curves import BLUE, INK, LIGHT, ORANGE, headline, legend, tidy
 from fissura.text import quantities as text
+from fissura.text.units import scale_of
 
 __all__ = ["plot_convergence", "plot_papers", "plot_peaks"]
 
@@ -70,7 +71,7 @@ def plot_papers(result: EnsembleResult) -> Figure | None:
     if not fits or result.plan.vary:
         return None
     figure = Figure(figsize=(WIDE, 4.3), layout="constrained")
-    scale, unit = load_unit(float(result.peaks.max()))
+    scale, unit = scale_of("N", float(result.peaks.max()))
     panels = figure.subplots(1, len(fits), squeeze=False)[0]
     for axes, fit in zip(panels, fits.values(), strict=True):
         _paper(axes, fit, result.peaks, scale)
@@ -128,7 +129,7 @@ def plot_convergence(result: EnsembleResult) -> Figure | None:
         return None
     figure = Figure(figsize=(WIDE, 4.6), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
-    scale, unit = load_unit(float(result.peaks.max()))
+    scale, unit = scale_of("N", float(result.peaks.max()))
     # Intervals of 2 or 3 runs are so wide that nothing else would be seen.
     first = min(4, len(found.n) - 1)
     for axes, values, factor, name in (
@@ -156,7 +157,7 @@ def plot_convergence(result: EnsembleResult) -> Figure | None:
 
 def _figure(peaks: FloatArray) -> tuple[Figure, Axes, float, str]:
     figure = Figure(figsize=(WIDE, 4.2), layout="constrained")
-    scale, unit = load_unit(float(peaks.max()))
+    scale, unit = scale_of("N", float(peaks.max()))
     return figure, figure.add_subplot(), scale, unit
 
 

@@ -14,9 +14,10 @@ from matplotlib.figure import Figure
 
 from fissura.ensemble.axes_of_values import ValueAxis, value_axis_of
 from fissura.ensemble.result import EnsembleResult
-from fissura.pictures.curves import INK, gauge_unit, headline, legend, load_unit, tidy
+from fissura.pictures.curves import INK, headline, legend, tidy
 from fissura.pictures.lettering import literal
 from fissura.results.names import load_name, value_axis
+from fissura.text.units import scale_of
 
 __all__ = ["curves_by_value", "plot_study_curves", "plot_study_peaks"]
 
@@ -41,8 +42,8 @@ def plot_study_curves(result: EnsembleResult) -> Figure | None:
 def curves_by_value(result: EnsembleResult, axes: Axes, line: Mapping[str, Any]) -> None:
     """Draw the curves of a study into axes; where there are many points, only some of them are named."""
     case, paths = result.plan.case, result.paths
-    x, x_unit = gauge_unit(max(float(path.value.max()) for path in paths.values()))
-    y, y_unit = load_unit(max(float(np.abs(path.load).max()) for path in paths.values()))
+    x, x_unit = scale_of("m", max(float(path.value.max()) for path in paths.values()))
+    y, y_unit = scale_of("N", max(float(np.abs(path.load).max()) for path in paths.values()))
     count = len(result.groups)
     named = set(np.linspace(0, count - 1, min(count, _NAMED)).round().astype(int).tolist())
     for k, (point, group) in enumerate(zip(result.plan.points, result.groups, strict=True)):
@@ -79,7 +80,7 @@ def plot_study_peaks(result: EnsembleResult) -> Figure | None:
     rows = -(-len(keys) // columns)
     figure = Figure(figsize=(WIDE, 3.9 * rows), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
-    y, y_unit = load_unit(float(result.peaks.max()))
+    y, y_unit = scale_of("N", float(result.peaks.max()))
     for axes, key in zip(panels, keys, strict=False):
         axis = value_axis_of(result.plan, key)
         _peaks(axes, result, key, axis, y)

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from fissura.errors import InputError
 from fissura.files.atomic import replacing
-from fissura.pictures.curves import BLUE, GREY, INK, gauge_unit, load_unit
+from fissura.pictures.curves import BLUE, GREY, INK, mark_point
 from fissura.pictures.lettering import fit, literal, may_shrink
 from fissura.pictures.panels import draw_curve, draw_scales
 from fissura.pictures.side_view import Look, SideView, look_of
@@ -117,24 +117,12 @@ def _check_format(path: Path) -> None:
 
 def _drawn(result: Result, frames: Sequence[Frame], look: Look, width: int) -> Iterator[FigureCanvasAgg]:
     """One figure, set to show one frame after another."""
-    canvas, stage, curve = _canvas(result, look, width)
+    canvas, stage, curve, (x_scale, y_scale) = _canvas(result, look, width)
     figure = canvas.figure
-    x_scale = gauge_unit(float(np.abs(result.controlled).max()))[0]
-    y_scale = load_unit(float(np.abs(result.load_values).max()))[0]
     for line in curve.get_lines():
         line.set(color=GREY, linewidth=1.2)
     grown = curve.plot([], [], color=BLUE, linewidth=2.0, zorder=4)[0]
-    dot = curve.plot(
-        [],
-        [],
-        marker="o",
-        markersize=6.5,
-        color="white",
-        markeredgecolor=BLUE,
-        markeredgewidth=1.7,
-        zorder=5,
-        clip_on=False,
-    )[0]
+    dot = mark_point(curve, [], [], zorder=5, markeredgewidth=1.7, clip_on=False)
     title = figure.text(0.012, 0.965, "", fontsize=11, fontweight="bold", color=INK, va="top")
     note = figure.text(0.988, 0.965, "", fontsize=10, color=INK, va="top", ha="right")
     may_shrink(title).set_text(literal(result.case.name))
@@ -155,7 +143,7 @@ def _note(frame: Frame) -> str:
     return f"{text.length(frame.value)},  {text.force(frame.load)},  {text.count(frame.bodies)} bodies"
 
 
-def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, SideView, Axes]:
+def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, SideView, Axes, tuple[float, float]]:
     """Figure with the specimen on the left, the curve on the right, and what colours mean below."""
     share = 0.64 if look.aspect > 1.5 else 0.54
     head, foot = 0.45, 0.72
@@ -165,9 +153,9 @@ def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, Si
     high = (height - head - foot) / height
     stage = figure.add_axes((0.005, foot / height, share - 0.01, high))
     curve = figure.add_axes((share + 0.065, (foot + 0.25) / height, 0.92 - share, high - 0.25 / height))
-    draw_curve(curve, result)
+    scales = draw_curve(curve, result)
     draw_scales(figure.add_axes((0.005, 0.0, share - 0.02, foot / height)), look, full=result.full, wide=True)
-    return FigureCanvasAgg(figure), SideView(stage, result.case, look, thin=0.9), curve
+    return FigureCanvasAgg(figure), SideView(stage, result.case, look, thin=0.9), curve, scales
 
 
 def _write_gif(drawn: Iterator[FigureCanvasAgg], path: Path, fps: int) -> None:

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from fissura.pictures.curves import DPI, INK, headline, tidy
-from fissura.pictures.front import rims, seen
+from fissura.pictures.curves import DPI, INK, bare, headline
+from fissura.pictures.front import projected, rims, seen
 from fissura.pictures.lettering import may_shrink, save
 from fissura.pictures.panels import bar_beside, kinds_above
 from fissura.pictures.plotting import new_axes
@@ -25,7 +25,6 @@ from fissura.text import quantities as text
 
 if TYPE_CHECKING:
     from fissura.simulation.step import Snapshot
-    from fissura.tessellation.structure import Polygons
 
 __all__ = ["crack_axes", "plot_crack"]
 
@@ -138,20 +137,14 @@ def _view(snapshot: Snapshot) -> View:
     shown = shown[np.argsort(opening[of[shown]], kind="stable")]
     fine = tessellation.fine[surface.body[facet]]
     return View(
-        bodies=_projected(surface.polygons, on_front),
+        bodies=projected(surface.polygons, on_front),
         colours=[FINE if fine[k] else COARSE for k in on_front],
         rims=1e3 * rims(surface.polygons, on_front, surface.body[facet[on_front]])[:, :, :2],
-        cracks=_projected(contacts.polygons, shown),
-        outline=[np.vstack([shape, shape[:1]]) for shape in _projected(surface.polygons, edge_on)],
+        cracks=projected(contacts.polygons, shown),
+        outline=[np.vstack([shape, shape[:1]]) for shape in projected(surface.polygons, edge_on)],
         openings=opening[of[shown]],
         norm=Normalize(0.0, largest or 1.0),
     )
-
-
-def _projected(polygons: Polygons, chosen: NDArray[np.int64]) -> list[FloatArray]:
-    """Corners (k, 2) of chosen polygons seen along z, in mm."""
-    flat, offsets = polygons.points[:, :2] * 1e3, polygons.offsets
-    return [flat[a:b] for a, b in zip(offsets[chosen].tolist(), offsets[chosen + 1].tolist(), strict=True)]
 
 
 def _draw(axes: Axes, view: View, window: FloatArray, scale: float) -> None:
@@ -167,10 +160,7 @@ def _draw(axes: Axes, view: View, window: FloatArray, scale: float) -> None:
     axes.set_xlim(window[0], window[1])
     axes.set_ylim(window[2], window[3])
     axes.set_aspect("equal")
-    tidy(axes)
-    axes.grid(False)
-    axes.set_xlabel("x [mm]")
-    axes.set_ylabel("y [mm]")
+    bare(axes)
 
 
 def _cracked_zone(view: View) -> FloatArray | None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from fissura.pictures.lettering import literal, may_shrink, save
@@ -17,19 +18,21 @@ from fissura.results.names import load_name, value_axis
 from fissura.results.peak import peak_position
 from fissura.results.result import Result
 from fissura.text import quantities as text
+from fissura.text.units import scale_of
 
 if TYPE_CHECKING:
     from fissura.results.comparison import Comparison
 
 __all__ = [
+    "bare",
     "comparison_figure",
     "curve_figure",
-    "energy_unit",
     "fill_measured",
-    "gauge_unit",
     "headline",
     "legend",
-    "load_unit",
+    "mark_point",
+    "mark_refinements",
+    "note_above",
     "plot_curve",
     "tidy",
 ]
@@ -68,8 +71,8 @@ def curve_figure(result: Result) -> Figure:
     measured = result.case.output.measured
     quantity = result.case.quantity if measured is None or result.case.main.gauge is None else "gauge"
     gauge, load = result.values_of(quantity), result.load_values
-    x_scale, x_unit = gauge_unit(float(np.abs(gauge).max()))
-    y_scale, y_unit = load_unit(float(np.abs(load).max()))
+    x_scale, x_unit = scale_of("m", float(np.abs(gauge).max()))
+    y_scale, y_unit = scale_of("N", float(np.abs(load).max()))
     if measured is not None:
         band = read_measured(measured)
         fill_measured(axes, band, x_scale, y_scale)
@@ -97,18 +100,7 @@ def curve_figure(result: Result) -> Figure:
             label="dissipation control",
             zorder=3.5,
         )
-    refined = gauge[result.curve["refinements"] > 0]
-    if len(refined):
-        axes.vlines(
-            refined * x_scale,
-            0.0,
-            0.035,
-            transform=axes.get_xaxis_transform(),
-            color=ORANGE,
-            linewidth=1.2,
-            label="refinement",
-            zorder=2,
-        )
+    mark_refinements(axes, result, gauge * x_scale, 0.035, 1.2)
     farthest = 1.02 * float(gauge.max())
     axes.set_xlim(min(0.0, 1.02 * float(gauge.min()) * x_scale), farthest * x_scale if farthest > 0 else None)
     peak = peak_position(load)
@@ -142,9 +134,9 @@ def comparison_figure(comparison: Comparison, make: Callable[..., Figure] = Figu
     upper, lower = figure.subplots(2, 1, sharex=not by_energy, height_ratios=(3, 1))
     a, b = comparison.a, comparison.b
     values = [run.values_of(quantity) for run in (a, b)]
-    x_scale, x_unit = gauge_unit(max(float(np.abs(value).max()) for value in values))
+    x_scale, x_unit = scale_of("m", max(float(np.abs(value).max()) for value in values))
     reference = abs(comparison.peaks[1])
-    y_scale, y_unit = load_unit(reference)
+    y_scale, y_unit = scale_of("N", reference)
     for run, value, colour, width in ((b, values[1], GREY, 3.6), (a, values[0], BLUE, 1.4)):
         upper.plot(
             np.append(0.0, value) * x_scale,
@@ -154,7 +146,7 @@ def comparison_figure(comparison: Comparison, make: Callable[..., Figure] = Figu
             label=f"{'A' if run is a else 'B'}: {_kind(run)}",
         )
     share = 100 * (comparison.load_a - comparison.load_b) / reference if reference else 0 * comparison.load_b
-    over_scale, over_unit = energy_unit(float(comparison.abscissa[-1])) if by_energy else (x_scale, x_unit)
+    over_scale, over_unit = scale_of("J", float(comparison.abscissa[-1])) if by_energy else (x_scale, x_unit)
     over = comparison.abscissa * over_scale
     lower.axhline(0.0, color=INK, linewidth=0.8)
     lower.fill_between(over, share, color=BLUE, alpha=0.25, linewidth=0)
@@ -186,16 +178,39 @@ def headline(axes: Axes, name: str, note: str, *, raised: float = 0.0) -> None:
     """Name of the picture in bold, and a note below it, both letter by letter; raised by so many points."""
     title = axes.set_title(literal(name), loc="left", fontsize=11, fontweight="bold", color=INK, pad=19 + raised)
     may_shrink(title)
-    below = axes.annotate(
-        literal(note),
-        (0, 1),
-        xytext=(0, 5 + raised),
-        xycoords="axes fraction",
-        textcoords="offset points",
-        fontsize=9,
-        color=INK,
+    note_above(axes, literal(note), 5 + raised)
+
+
+def note_above(axes: Axes, note: str, raised: float, **look: Any) -> None:
+    """A line above axes, flush left and raised by so many points, ready to be drawn; it shrinks where it must."""
+    look = {"fontsize": 9, "color": INK, **look}
+    may_shrink(
+        axes.annotate(note, (0, 1), xytext=(0, raised), xycoords="axes fraction", textcoords="offset points", **look)
     )
-    may_shrink(below)
+
+
+def mark_point(axes: Axes, x: Any, y: Any, *, size: float = 6.5, zorder: float = 4, **more: Any) -> Line2D:
+    """A white dot with a blue rim, as for the peak, the state that is shown and the like."""
+    look: dict[str, Any] = {"markeredgewidth": 1.6, "color": "white", "markeredgecolor": BLUE, **more}
+    return axes.plot(x, y, marker="o", markersize=size, zorder=zorder, **look)[0]
+
+
+def mark_refinements(axes: Axes, result: Result, x: FloatArray, height: float, width: float) -> bool:
+    """Ticks at the steps that refined, over this part of the height; returns whether there are any."""
+    refined = x[result.curve["refinements"] > 0]
+    if len(refined):
+        place = axes.get_xaxis_transform()
+        look: dict[str, Any] = {"color": ORANGE, "linewidth": width, "label": "refinement", "zorder": 2}
+        axes.vlines(refined, 0.0, height, transform=place, **look)
+    return len(refined) > 0
+
+
+def bare(axes: Axes, across: str = "x", up: str = "y") -> None:
+    """Style of views along an axis: no grid, coordinates in mm."""
+    tidy(axes)
+    axes.grid(False)
+    axes.set_xlabel(f"{across} [mm]")
+    axes.set_ylabel(f"{up} [mm]")
 
 
 def tidy(axes: Axes) -> None:
@@ -234,7 +249,7 @@ def _note_peak(axes: Axes, gauge: float, load: float, x_scale: float, y_scale: f
     """Mark the peak; the note lies on the side where there is more room."""
     x, y = gauge * x_scale, load * y_scale
     right = x < 0.6 * axes.get_xlim()[1]
-    axes.plot(x, y, marker="o", markersize=6.5, color="white", markeredgecolor=BLUE, markeredgewidth=1.6, zorder=4)
+    mark_point(axes, x, y)
     axes.annotate(
         f"peak {text.force(load)} at {text.length(gauge)}",
         (x, y),
@@ -265,18 +280,3 @@ def _kind(result: Result) -> str:
     if result.full:
         return f"full resolution, {bodies} bodies"
     return f"adaptive, {bodies} of {text.count(float(result.summary['bodies_full']))} bodies"
-
-
-def gauge_unit(largest: float) -> tuple[float, str]:
-    """Factor from metres, and unit, for an axis up to the given gauge."""
-    return (1e6, "µm") if largest < 1e-3 else (1e3, "mm")
-
-
-def energy_unit(largest: float) -> tuple[float, str]:
-    """Factor from joules, and unit, for an axis up to the given energy."""
-    return (1e3, "mJ") if largest < 1.0 else (1.0, "J")
-
-
-def load_unit(largest: float) -> tuple[float, str]:
-    """Factor from newtons, and unit, for an axis up to the given load."""
-    return (1.0, "N") if largest < 1e3 else (1e-3, "kN") if largest < 1e6 else (1e-6, "MN")

@@ -15,9 +15,10 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri
 
-from fissura.pictures.curves import BLUE, DPI, GREY, INK, ORANGE, legend, tidy
-from fissura.pictures.front import rims, seen
+from fissura.pictures.curves import BLUE, DPI, GREY, INK, ORANGE, bare, legend, tidy
+from fissura.pictures.front import projected, rims, seen
 from fissura.pictures.lettering import literal, may_shrink, save
+from fissura.pictures.panels import plain_bar
 
 if TYPE_CHECKING:
     from fissura.case import Field
@@ -91,9 +92,7 @@ def plot_field(
     bar = figure.colorbar(
         ScalarMappable(norm, COLOURS), ax=[places[k] for k in ("slice", "across", "bodies")], shrink=0.7, aspect=30
     )
-    bar.set_label("relative strength H", color=INK)
-    bar.ax.tick_params(colors=INK, labelsize=9)
-    bar.outline.set_visible(False)
+    plain_bar(bar, "relative strength H")
     draw_marginal(places["paper"], field.marginal, part.marginal, _samples(field, domain))
     titles = {"slice": "middle of the thickness", "across": f"middle of the {'length' if tall else 'depth'}"}
     for key, title in (titles | {"bodies": "bodies on the front"}).items():
@@ -118,18 +117,15 @@ def draw_slice(axes: Axes, field: RandomField, domain: Domain, plane: tuple[int,
     values = np.where(domain.contains(points), field.strength(points), np.nan).reshape(x.shape[:2])
     extent = (1e3 * left, 1e3 * (left + width), 1e3 * bottom, 1e3 * (bottom + height))
     axes.imshow(values, cmap=COLOURS, norm=norm, origin="lower", extent=extent, aspect="equal", interpolation="nearest")
-    _frame(axes, plane)
+    bare(axes, *("xyz"[axis] for axis in plane))
 
 
 def _draw_bodies(
     axes: Axes, tessellation: Tessellation, factor: FloatArray, bounds: FloatArray, norm: Normalize
 ) -> None:
     surface = tessellation.surface
-    polygons, facet = surface.polygons, surface.polygons.facet
-    flat = 1e3 * polygons.points[:, :2]
-    chosen = seen(surface)
-    shapes = [flat[polygons.offsets[k] : polygons.offsets[k + 1]] for k in chosen]
-    body = surface.body[facet[chosen]]
+    polygons, chosen = surface.polygons, seen(surface)
+    shapes, body = projected(polygons, chosen), surface.body[polygons.facet[chosen]]
     axes.add_collection(
         PolyCollection(shapes, facecolors=COLOURS(norm(factor[body])), edgecolors="face", linewidths=0.4)
     )
@@ -138,14 +134,7 @@ def _draw_bodies(
     axes.set_xlim(*(1e3 * bounds[:, 0]))
     axes.set_ylim(*(1e3 * bounds[:, 1]))
     axes.set_aspect("equal")
-    _frame(axes, (0, 1))
-
-
-def _frame(axes: Axes, plane: tuple[int, int]) -> None:
-    tidy(axes)
-    axes.grid(False)
-    axes.set_xlabel(f"{'xyz'[plane[0]]} [mm]")
-    axes.set_ylabel(f"{'xyz'[plane[1]]} [mm]")
+    bare(axes)
 
 
 def _samples(field: RandomField, domain: Domain) -> FloatArray:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from fissura.tessellation.structure import Polygons, SurfaceFacets
 
-__all__ = ["rims", "seen"]
+__all__ = ["projected", "rims", "seen"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -28,6 +28,12 @@ def seen(surface: SurfaceFacets) -> IntArray:
     chosen = np.flatnonzero(surface.normal[polygons.facet, 2] < -_FACING)
     depth = surface.centroid[polygons.facet[chosen], 2]
     return np.asarray(chosen[np.argsort(-depth, kind="stable")], dtype=np.int64)
+
+
+def projected(polygons: Polygons, chosen: IntArray) -> list[FloatArray]:
+    """Corners (k, 2) of chosen polygons seen along z [mm]."""
+    flat, offsets = polygons.points[:, :2] * 1e3, polygons.offsets
+    return [flat[a:b] for a, b in zip(offsets[chosen].tolist(), offsets[chosen + 1].tolist(), strict=True)]
 
 
 def rims(polygons: Polygons, chosen: IntArray, body: IntArray) -> FloatArray:

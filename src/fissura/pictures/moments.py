@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fissura.pictures.curves import BLUE, DPI, INK, gauge_unit, load_unit
+from fissura.pictures.curves import BLUE, DPI, INK, mark_point, note_above
 from fissura.pictures.lettering import literal, may_shrink, save
 from fissura.pictures.panels import draw_curve, draw_scales
 from fissura.pictures.side_view import Look, SideView, look_of
@@ -120,8 +120,7 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
         SideView(axes, result.case, look).show(moment.frame)
         _caption(axes, f"{moment.letter}  {moment.name}", moment.frame, narrow=_narrow(look, columns))
     curve, scale = lower.subplots(1, 2, width_ratios=(2.6, 1.0))
-    draw_curve(curve, result)
-    mark_moments(curve, result, shown)
+    mark_moments(curve, shown, draw_curve(curve, result))
     draw_scales(scale, look, full=result.full)
     save(figure, path, DPI)
 
@@ -169,39 +168,17 @@ def bodies_figure(
             SideView(axes, result.case, look, thin=0.7).show(frame)
             _caption(axes, f"{moment.letter}  {moment.name}" if result is a else "", frame, narrow=_narrow(look, 2))
     for axes, name in zip(panels[0], _titles(a, b), strict=True):
-        title = axes.annotate(
-            literal(name),
-            (0, 1),
-            xytext=(0, 36 if _narrow(look, 2) else 26),
-            xycoords="axes fraction",
-            textcoords="offset points",
-            fontsize=12,
-            fontweight="bold",
-            color=BLUE,
-            va="bottom",
-        )
-        may_shrink(title)
+        raised = 36 if _narrow(look, 2) else 26
+        note_above(axes, literal(name), raised, fontsize=12, fontweight="bold", color=BLUE, va="bottom")
     draw_scales(lower.subplots(), look, full=a.full and b.full, wide=True)
     return figure, list(panels.ravel())
 
 
-def mark_moments(axes: Axes, result: Result, shown: Sequence[Moment]) -> None:
-    """Mark moments on a curve that `draw_curve` drew."""
-    x_scale = gauge_unit(float(np.abs(result.controlled).max()))[0]
-    y_scale = load_unit(float(np.abs(result.load_values).max()))[0]
+def mark_moments(axes: Axes, shown: Sequence[Moment], scales: tuple[float, float]) -> None:
+    """Mark moments on a curve that `draw_curve` drew, with the factors that it returned."""
     for moment in shown:
-        x, y = moment.frame.value * x_scale, moment.frame.load * y_scale
-        axes.plot(
-            x,
-            y,
-            marker="o",
-            markersize=7,
-            color="white",
-            markeredgecolor=BLUE,
-            markeredgewidth=1.7,
-            zorder=4,
-            clip_on=False,
-        )
+        x, y = moment.frame.value * scales[0], moment.frame.load * scales[1]
+        mark_point(axes, x, y, size=7, markeredgewidth=1.7, clip_on=False)
         axes.annotate(
             moment.letter,
             (x, y),
@@ -228,10 +205,7 @@ def _caption(axes: Axes, name: str, frame: Frame, *, narrow: bool) -> None:
     if not narrow:
         axes.set_title(note, loc="right", fontsize=9, color=INK)
         return
-    below = axes.annotate(
-        note, (0, 1), xytext=(0, 5), xycoords="axes fraction", textcoords="offset points", fontsize=9, color=INK
-    )
-    may_shrink(below)
+    note_above(axes, note, 5)
 
 
 def _titles(a: Result, b: Result) -> tuple[str, str]:

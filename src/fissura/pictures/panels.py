@@ -7,41 +7,35 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from fissura.pictures.curves import BLUE, INK, ORANGE, gauge_unit, load_unit, tidy
+from fissura.pictures.curves import BLUE, INK, mark_refinements, tidy
 from fissura.pictures.side_view import COARSE, EDGE, FINE, HEAT, TENSION, Look
 from fissura.results.names import load_name, value_axis
 from fissura.results.peak import peak_position
+from fissura.text.units import scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fissura.results.result import Result
 
-__all__ = ["bar_beside", "draw_curve", "draw_scales", "kinds_above"]
+__all__ = ["bar_beside", "draw_curve", "draw_scales", "kinds_above", "plain_bar"]
 
 
-def draw_curve(axes: Axes, result: Result) -> None:
-    """Draw load over what is controlled in the units of the other pictures, with ticks at refinements."""
+def draw_curve(axes: Axes, result: Result) -> tuple[float, float]:
+    """Draw load over what is controlled in the units of the other pictures, with ticks at refinements.
+
+    Returns the factors from metres and newtons to the units of the axes.
+    """
     value, load = result.controlled, result.load_values
-    x_scale, x_unit = gauge_unit(float(np.abs(value).max()))
-    y_scale, y_unit = load_unit(float(np.abs(load).max()))
+    x_scale, x_unit = scale_of("m", float(np.abs(value).max()))
+    y_scale, y_unit = scale_of("N", float(np.abs(load).max()))
     axes.plot(np.append(0.0, value) * x_scale, np.append(0.0, load) * y_scale, color=BLUE, linewidth=1.8, zorder=3)
-    refined = value[result.curve["refinements"] > 0] * x_scale
-    if len(refined):
-        axes.vlines(
-            refined,
-            0.0,
-            0.05,
-            transform=axes.get_xaxis_transform(),
-            color=ORANGE,
-            linewidth=1.4,
-            label="refinement",
-            zorder=2,
-        )
+    if mark_refinements(axes, result, value * x_scale, 0.05, 1.4):
         peak = peak_position(load)
         falls = peak < len(load) - 1 and value[peak] < 0.5 * value.max()
         corner: dict[str, Any] = (
@@ -55,6 +49,7 @@ def draw_curve(axes: Axes, result: Result) -> None:
     axes.set_xlabel(f"{value_axis(result.case, result.case.quantity)} [{x_unit}]")
     axes.set_ylabel(f"{load_name(result.case)} [{y_unit}]")
     tidy(axes)
+    return x_scale, y_scale
 
 
 def draw_scales(axes: Axes, look: Look, *, full: bool, wide: bool = False) -> None:
@@ -80,9 +75,8 @@ def draw_scales(axes: Axes, look: Look, *, full: bool, wide: bool = False) -> No
         bar = axes.figure.colorbar(ScalarMappable(norm, colours), cax=axes.inset_axes(place), orientation="horizontal")
         bar.locator = MaxNLocator(4)
         bar.update_ticks()
-        bar.set_label(name, color=INK, fontsize=9, labelpad=1)
-        bar.ax.tick_params(colors=INK, labelsize=8, pad=2)
-        bar.outline.set_visible(False)
+        plain_bar(bar, name, fontsize=9, labelpad=1)
+        bar.ax.tick_params(labelsize=8, pad=2)
     if look.stress is None:
         kinds = [(FINE, "fine")] if full else [(FINE, "fine"), (COARSE, "coarse")]
         axes.legend(
@@ -108,7 +102,12 @@ def draw_scales(axes: Axes, look: Look, *, full: bool, wide: bool = False) -> No
 def bar_beside(axes: Axes, colours: Colormap, norm: Normalize, label: str) -> None:
     """Colour bar on the right of axes."""
     bar = axes.figure.colorbar(ScalarMappable(norm, colours), ax=axes, pad=0.02, fraction=0.05, aspect=28)
-    bar.set_label(label, color=INK)
+    plain_bar(bar, label)
+
+
+def plain_bar(bar: Colorbar, label: str, **look: Any) -> None:
+    """Style that all colour bars share: no frame, small ink-coloured letters."""
+    bar.set_label(label, color=INK, **look)
     bar.ax.tick_params(colors=INK, labelsize=9)
     bar.outline.set_visible(False)
 

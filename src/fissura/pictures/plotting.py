@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from fissura.pictures.curves import BLUE, tidy
 from fissura.pictures.lettering import literal
-from fissura.results.column_names import column_named, split_unit
+from fissura.results.column_names import column_named
 from fissura.results.curve import COLUMN_OF
 from fissura.results.names import load_name, value_axis
+from fissura.text.units import SCALES, scale_of, split_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,20 +25,10 @@ __all__ = [
     "column_title",
     "new_axes",
     "plot_columns",
-    "scale_of",
     "scaled_axis",
 ]
 
 FloatArray = NDArray[np.float64]
-
-SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
-    "m": ((1e-3, 1e6, "µm"), (np.inf, 1e3, "mm")),
-    "N": ((1e3, 1.0, "N"), (1e6, 1e-3, "kN"), (np.inf, 1e-6, "MN")),
-    "Nm": ((1e3, 1.0, "N m"), (1e6, 1e-3, "kN m"), (np.inf, 1e-6, "MN m")),
-    "J": ((1.0, 1e3, "mJ"), (np.inf, 1.0, "J")),
-    "s": ((np.inf, 1.0, "s"),),
-}
-"""Of each unit in names of columns: below which value, with which factor, in which unit it is shown."""
 
 
 def plot_columns(result: Result, x: str | None, y: str, ax: Axes | None, line: dict[str, Any]) -> Axes:
@@ -78,25 +69,6 @@ def column_title(case: Case, column: str) -> str:
     return load_name(case) if column == "load_N" else split_unit(column)[0].replace("_", " ")
 
 
-def scale_of(unit: str, values: FloatArray) -> tuple[float, str]:
-    """Factor on values, and the unit in which they are shown then.
-
-    Parameters
-    ----------
-    unit : str
-        One of `SCALES`.
-    values : array
-        In that unit; those that are not finite do not count.
-
-    Examples
-    --------
-    >>> scale_of("N", np.array([0.0, 1530.0]))
-    (0.001, 'kN')
-    """
-    largest = float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
-    return next((factor, text) for below, factor, text in SCALES[unit] if largest < below)
-
-
 def scaled_axis(column: str, name: str, values: FloatArray, label: str) -> tuple[float, str]:
     """Factor, and label of the axis; where one with a unit that fits is there, it stays."""
     unit = split_unit(column)[1]
@@ -106,5 +78,5 @@ def scaled_axis(column: str, name: str, values: FloatArray, label: str) -> tuple
     for _, factor, text in SCALES[unit]:
         if shown and shown[1] == text:
             return factor, label
-    factor, text = scale_of(unit, values)
+    factor, text = scale_of(unit, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
     return factor, f"{name} [{text}]"

@@ -13,7 +13,7 @@ from fissura.pictures.curves import INK
 from fissura.pictures.lettering import literal
 from fissura.pictures.meshes import meshes_of, step_of
 from fissura.pictures.pyvista_tools import legend, plotter, pyvista, toggled
-from fissura.pictures.side_view import BENT, COARSE, FINE, HEAT, SHOWN, round_below
+from fissura.pictures.side_view import COARSE, FINE, HEAT, SHOWN, magnification
 from fissura.pictures.specimen import Sight
 from fissura.text import quantities as text
 
@@ -57,7 +57,7 @@ def result_view(
     bodies, cracks = meshes["bodies"], meshes["cracks"]
     if magnify is None:
         largest = float(np.linalg.norm(bodies.point_data["displacement"], axis=1).max())
-        magnify = round_below(BENT * bodies.length / largest) if largest > 0.0 else 1.0
+        magnify = magnification(largest, bodies.length)
     skin = skin_of(bodies).warp_by_vector("displacement", factor=magnify).scale(1e3)
     fine, actors, entries = skin.cell_data["fine"].astype(bool), [], []
     for own, label, colour in ((~fine, "coarse body", COARSE), (fine, "fine body", FINE)):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.results.history import Frame
 
-__all__ = ["COARSE", "FINE", "HEAT", "TENSION", "Look", "SideView", "look_of", "round_below"]
+__all__ = ["COARSE", "FINE", "HEAT", "TENSION", "Look", "SideView", "look_of", "magnification"]
 
 FloatArray = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def look_of(case: Case, frames: Sequence[Frame], *, stress: bool = False, magnif
     moved = [_moved(frame.section.lines[:, 0], frame.motion[frame.section.sides[:, 0]]) for frame in frames]
     if magnify is None:
         largest = max(float(np.linalg.norm(by, axis=1).max(initial=0.0)) for by in moved)
-        magnify = round_below(BENT * float(np.ptp(bounds, axis=0).max()) / largest) if largest > 0.0 else 1.0
+        magnify = magnification(largest, float(np.ptp(bounds, axis=0).max()))
     corners = [bounds]
     corners += [frame.section.lines[:, 0] + magnify * by for frame, by in zip(frames, moved, strict=True)]
     corners += [shape for symbol in symbols(case) for shape in (*symbol.filled, *symbol.lines)]
@@ -113,8 +113,11 @@ def _nearest(lines: FloatArray, point: FloatArray) -> int:
     return int(np.argmin(((point - foot) ** 2).sum(axis=1)))
 
 
-def round_below(value: float) -> float:
-    """Largest of ... 0.5, 1, 2, 5, 10 ... that is not above a value."""
+def magnification(largest: float, size: float) -> float:
+    """A round factor on displacements, ... 0.5, 1, 2, 5, 10 ..., such that the largest is a few per cent of a size."""
+    if largest <= 0.0:
+        return 1.0
+    value = BENT * size / largest
     power = 10.0 ** np.floor(np.log10(value))
     return float(power * max(k for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
 

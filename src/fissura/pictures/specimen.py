@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from fissura.pictures.curves import INK
 from fissura.pictures.lettering import legend_below, literal, may_shrink, save
 from fissura.pictures.side_view import COARSE, FINE
-from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, Signs, Spots, signs_of
+from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, Signs, Spots, named_facets, signs_of
 from fissura.specimen.notches import SURFACE
 from fissura.specimen.planes import unit
-from fissura.tessellation.structure import LEDGE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -162,19 +161,11 @@ def _names(axes: Axes, surface: SurfaceFacets, look: FloatArray) -> list[str]:
     """Write names of surfaces where they are seen; return those that are not."""
     facing = surface.normal @ look[2]
     unseen = []
-    for number, name in enumerate(surface.names):
-        own = surface.surface == number
-        seen = np.flatnonzero(own & (facing > 0.05))
-        if name == LEDGE or not own.any():
-            continue
-        if not len(seen):
+    for name, k in named_facets(surface, np.where(facing > 0.05, surface.area * facing, 0.0)).items():
+        if k is None:
             unseen.append(name)
             continue
-        share = surface.area[seen] * facing[seen]
-        middle = share @ surface.centroid[seen] / share.sum()
-        # The mean of a bent surface may lie inside: its nearest facet in view does not.
-        spot = surface.centroid[seen[np.argmin(np.linalg.norm(surface.centroid[seen] - middle, axis=1))]]
-        at = 1e3 * look[:2] @ spot
+        at = 1e3 * look[:2] @ surface.centroid[k]
         axes.text(
             at[0], at[1], literal(name), ha="center", va="center", fontsize=8.5, color=INK, zorder=20,
             bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.75},
@@ -206,7 +197,7 @@ def _conditions(axes: Axes, signs: Signs, look: FloatArray, size: float) -> list
     for support in signs.supports:
         _points(axes, support.spots, look, MARKERS[support.kind], SUPPORT)
         sign = Line2D([], [], marker=MARKERS[support.kind], ls="", ms=7, color=SUPPORT)
-        entries.append((sign, f"support, {support.kind}"))
+        entries.append((sign, support.label))
     for load in signs.loads:
         begin, end = load.arrows(1e-3 * size)
         for points in zip(1e3 * begin @ look[:2].T, 1e3 * end @ look[:2].T, strict=True):

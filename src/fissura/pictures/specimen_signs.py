@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from fissura.specimen import Domain, Place, load_direction, place_from_part
 from fissura.specimen.planes import unit
+from fissura.tessellation.structure import LEDGE
 
 if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.case.platen import Platen
+    from fissura.tessellation import SurfaceFacets
 
-__all__ = ["GaugeSign", "LoadSign", "Plate", "Signs", "Spots", "SupportSign", "signs_of"]
+__all__ = ["GaugeSign", "LoadSign", "Plate", "Signs", "Spots", "SupportSign", "named_facets", "signs_of"]
 
 FloatArray = NDArray[np.float64]
 
@@ -61,6 +63,11 @@ class SupportSign:
 
     kind: str
     spots: Spots
+
+    @property
+    def label(self) -> str:
+        """Its name for a legend."""
+        return f"support, {self.kind}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +141,14 @@ class Signs:
     plates: tuple[Plate, ...]
     weight: FloatArray | None
 
+    @property
+    def legend(self) -> list[tuple[str, str]]:
+        """Names and colours of what holds, loads and measures, each once."""
+        entries = [(support.label, SUPPORT) for support in self.supports]
+        entries += [(load.label, load.colour) for load in self.loads]
+        entries += [(gauge.label, gauge.colour) for gauge in self.gauges]
+        return list(dict(entries if self.weight is None else [*entries, ("gravity", WEIGHT)]).items())
+
 
 def signs_of(case: Case, domain: Domain) -> Signs:
     """Place the signs of a case on its specimen.
@@ -178,6 +193,24 @@ def signs_of(case: Case, domain: Domain) -> Signs:
         gauges.append(GaugeSign(f"{label}, from a to b", GAUGES[k % len(GAUGES)], a, b))
     weight = None if case.gravity is None else np.asarray(case.gravity.direction, float)
     return Signs(tuple(supports), tuple(loads), tuple(gauges), tuple(plates), weight)
+
+
+def named_facets(surface: SurfaceFacets, weight: FloatArray) -> dict[str, int | None]:
+    """Where to write the name of each surface: the facet nearest to its middle, by weights (f,) of the facets.
+
+    The middle of a bent surface itself may lie inside the specimen. None stands for a surface without any weight.
+    """
+    found: dict[str, int | None] = {}
+    for number, name in enumerate(surface.names):
+        own = surface.surface == number
+        if name == LEDGE or not own.any():
+            continue
+        some = np.flatnonzero(own & (weight > 0.0))
+        found[name] = None
+        if len(some):
+            middle = weight[some] @ surface.centroid[some] / weight[some].sum()
+            found[name] = int(some[np.argmin(np.linalg.norm(surface.centroid[some] - middle, axis=1))])
+    return found
 
 
 def _evenly(count: int, most: int) -> NDArray[np.int64]:

@@ -12,9 +12,8 @@ from fissura.pictures.lettering import literal
 from fissura.pictures.pyvista_tools import legend, plotter, polygon_mesh, pyvista, toggled
 from fissura.pictures.side_view import COARSE, FINE
 from fissura.pictures.specimen import NOTCH, Sight
-from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, Signs, Spots, signs_of
+from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, Signs, Spots, named_facets, signs_of
 from fissura.specimen.notches import SURFACE
-from fissura.tessellation.structure import LEDGE
 
 if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
@@ -60,19 +59,18 @@ def specimen_view(simulation: Simulation, sight: Sight | None = None, *, off_scr
     size = MM * float(domain.size.max())
     bodies, entries = _bodies(view, surface, simulation.tessellation.fine)
     signs = signs_of(simulation.case, domain)
-    entries += _plates(view, signs)
-    entries += _supports(view, signs, 0.02 * size)
-    entries += _loads(view, signs, 0.12 * size)
-    entries += _gauges(view, signs, 0.008 * size)
+    _plates(view, signs)
+    _supports(view, signs, 0.02 * size)
+    _loads(view, signs, 0.12 * size)
+    _gauges(view, signs, 0.008 * size)
     if signs.weight is not None:
         low, high = MM * domain.bounds
         start = np.array([low[0] - 0.1 * size, 0.5 * (low[1] + high[1]), high[2]]) - 0.1 * size * signs.weight
         arrow = pyvista().Arrow(start=start, direction=signs.weight, scale=0.2 * size)
         view.add_mesh(arrow, color=WEIGHT)
-        entries.append(("gravity", WEIGHT))
     _names(view, surface, 0.01 * size)
     view.add_text(literal(f"{simulation.case.name}: {simulation.bodies_start} bodies"), font_size=11, color=INK)
-    legend(view, entries)
+    legend(view, [*entries, *((plate.label, plate.colour) for plate in signs.plates), *signs.legend])
     view.show_bounds(
         xtitle="x [mm]", ytitle="y [mm]", ztitle="z [mm]", location="outer", font_size=9, color="#6b7280", n_xlabels=3,
         n_ylabels=3, n_zlabels=3, fmt="%.4g", bounds=(MM * domain.bounds).T.ravel().tolist(),
@@ -101,14 +99,13 @@ def _bodies(view: Any, surface: SurfaceFacets, fine: NDArray[np.bool_]) -> tuple
     return actors, entries
 
 
-def _plates(view: Any, signs: Signs) -> Entries:
+def _plates(view: Any, signs: Signs) -> None:
     for plate in signs.plates:
         offsets = np.cumsum([0, *(len(face) for face in plate.faces)])
         view.add_mesh(polygon_mesh(MM * np.concatenate(plate.faces), offsets), color=plate.colour)
-    return [(plate.label, plate.colour) for plate in signs.plates]
 
 
-def _supports(view: Any, signs: Signs, size: float) -> Entries:
+def _supports(view: Any, signs: Signs, size: float) -> None:
     pv = pyvista()
     # Each touches the surface in the origin and stands off it along x.
     shapes = {
@@ -119,26 +116,23 @@ def _supports(view: Any, signs: Signs, size: float) -> Entries:
     }
     for support in signs.supports:
         view.add_mesh(_at(support.spots, shapes[support.kind], size), color=SUPPORT)
-    return [(f"support, {support.kind}", SUPPORT) for support in signs.supports]
 
 
-def _loads(view: Any, signs: Signs, length: float) -> Entries:
+def _loads(view: Any, signs: Signs, length: float) -> None:
     shape = pyvista().Arrow(tip_length=0.2, tip_radius=0.06, shaft_radius=0.018)
     for load in signs.loads:
         begin, end = load.arrows(length / MM)
         view.add_mesh(_at(Spots(begin, end - begin), shape, length), color=load.colour)
         if len(signs.loads) > 1:
             _words(view, MM * begin.mean(axis=0)[None, :], [load.label], load.colour, always=True)
-    return [(load.label, load.colour) for load in signs.loads]
 
 
-def _gauges(view: Any, signs: Signs, radius: float) -> Entries:
+def _gauges(view: Any, signs: Signs, radius: float) -> None:
     pv = pyvista()
     for gauge in signs.gauges:
         ends = [_at(spots, pv.Sphere(radius=1.0), radius) for spots in (gauge.a, gauge.b)]
         line = pv.Line(pointa=MM * gauge.a.middle, pointb=MM * gauge.b.middle).tube(radius=0.6 * radius)
         view.add_mesh(pv.merge([*ends, line]), color=gauge.colour)
-    return [(gauge.label, gauge.colour) for gauge in signs.gauges]
 
 
 def _at(spots: Spots, shape: Any, size: float) -> Any:
@@ -151,12 +145,9 @@ def _at(spots: Spots, shape: Any, size: float) -> Any:
 def _names(view: Any, surface: SurfaceFacets, lift: float) -> None:
     """Names of surfaces at the facet nearest to their middle."""
     spots, names = [], []
-    for number, name in enumerate(surface.names):
-        own = np.flatnonzero(surface.surface == number)
-        if name == LEDGE or not len(own):
+    for name, k in named_facets(surface, surface.area).items():
+        if k is None:
             continue
-        middle = surface.area[own] @ surface.centroid[own] / surface.area[own].sum()
-        k = own[np.argmin(np.linalg.norm(surface.centroid[own] - middle, axis=1))]
         spots.append(MM * surface.centroid[k] + lift * surface.normal[k])
         names.append(name)
     _words(view, np.array(spots), names, INK, always=False)

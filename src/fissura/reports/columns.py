@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.pictures.plotting import column_title, scale_of
-from fissura.results.column_names import split_unit
+from fissura.pictures.plotting import column_title
 from fissura.results.curve import COLUMN_OF, TEXTS
 from fissura.results.measured import read_measured
+from fissura.text.units import scale_of, split_unit
 
 if TYPE_CHECKING:
     from fissura.results.result import Result
@@ -33,7 +34,7 @@ def columns_of(result: Result) -> dict[str, Any]:
             continue
         numbers = values.astype(np.float64)
         unit = split_unit(name)[1]
-        factor, shown = scale_of(unit, numbers) if unit else (1.0, "")
+        factor, shown = scale_of(unit, _largest(numbers)) if unit else (1.0, "")
         title = column_title(result.case, name)
         columns.append(
             {
@@ -60,6 +61,10 @@ def measured_of(result: Result) -> dict[str, Any] | None:
         band = read_measured(path)
     except InputError:
         return None
-    x = scale_of("m", result.gauge)[0]
-    y = scale_of("N", result.load_values)[0]
+    x = scale_of("m", _largest(result.gauge))[0]
+    y = scale_of("N", _largest(result.load_values))[0]
     return {"x": x * band.gauge, "lower": y * band.lower, "upper": y * band.upper}
+
+
+def _largest(values: NDArray[np.float64]) -> float:
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from fissura.errors import InputError
 from fissura.pictures.meshes import steps_with_states
+from fissura.pictures.specimen_signs import signs_of
 from fissura.reports.bodies import shown_steps, states_of
 from fissura.reports.columns import columns_of, measured_of
 from fissura.reports.libraries import require_libraries
 from fissura.reports.origin import bibtex, bound_told, cited, origin_rows, seed_told, status_told
 from fissura.reports.page import rendered, write_page
-from fissura.reports.view import legend_of, scene_of
+from fissura.reports.view import scene_of
 from fissura.specimen import domain_from_case
 from fissura.text import quantities as text
 
@@ -60,7 +61,7 @@ def run_page(result: Result) -> str:
         "has_view": scene is not None,
         "has_states": bool(states),
         "view_caption": told,
-        "signs": [] if domain is None else legend_of(result.case, domain),
+        "signs": [] if domain is None else signs_of(result.case, domain).legend,
         "numbers": result.table(),
         "origin": [*origin_rows(result.summary, seed_told(result)), *_folder_name(result)],
         "bound": bound_told(result),

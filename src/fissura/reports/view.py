@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.colors import Colormap, to_rgb
 from numpy.typing import NDArray
 
-from fissura.pictures.side_view import BENT, COARSE, FINE, HEAT, SHOWN, TENSION, round_below
+from fissura.pictures.side_view import COARSE, FINE, HEAT, SHOWN, TENSION, magnification
 from fissura.pictures.specimen import Sight
 from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, signs_of
 from fissura.reports.bodies import State
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.specimen import Domain
 
-__all__ = ["Marks", "legend_of", "scene_of"]
+__all__ = ["Marks", "scene_of"]
 
 FloatArray = NDArray[np.float64]
 
@@ -75,16 +75,6 @@ def scene_of(case: Case, domain: Domain, states: Sequence[State] = (), marks: Ma
         if marks is None
         else {"name": marks[3], "low": float(marks[2].min()), "high": float(marks[2].max())},
     }
-
-
-def legend_of(case: Case, domain: Domain) -> list[tuple[str, str]]:
-    """Names and colours of what holds, loads and measures a specimen, each once."""
-    signs = signs_of(case, domain)
-    entries = [(f"support, {support.kind}", SUPPORT) for support in signs.supports]
-    entries += [(load.label, load.colour) for load in signs.loads]
-    entries += [(gauge.label, gauge.colour) for gauge in signs.gauges]
-    entries += [] if signs.weight is None else [("gravity", WEIGHT)]
-    return list(dict(entries).items())
 
 
 def _plot(case: Case, domain: Domain, marks: Marks | None, *, specimen: bool) -> bytes:
@@ -173,8 +163,7 @@ def _marks(k3d: Any, domain: Domain, marks: Marks | None) -> list[Any]:
 def _magnify(states: Sequence[State], size: float) -> float:
     """A round factor on displacements such that the largest is a few per cent of the specimen."""
     moved = [axis["high"] for state in states for axis in state["skin"]["moved"] or ()]
-    largest = max(moved, default=0.0)
-    return round_below(BENT * size / largest) if largest > 0.0 else 1.0
+    return magnification(max(moved, default=0.0), size)
 
 
 def _largest_stress(states: Sequence[State]) -> float:

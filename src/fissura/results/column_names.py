@@ -1,4 +1,4 @@
-"""Names of columns as users give them, and the units that stand in them."""
+"""Names of columns as users give them."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING
 
 from fissura.errors import InputError
 from fissura.results.curve import TEXTS
+from fissura.text.units import split_unit
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["UNITS", "column_among", "column_named", "split_unit"]
-
-UNITS = frozenset({"m", "N", "Nm", "J", "s"})
-"""Units with which names of columns end."""
+__all__ = ["column_among", "column_named"]
 
 
 def column_named(columns: Iterable[str], name: str, key: str) -> str:
@@ -58,15 +56,3 @@ def column_among(columns: Sequence[str], name: str, key: str, of: str = "the cur
     near = difflib.get_close_matches(str(name), [*columns, *(split_unit(column)[0] for column in columns)], n=1)
     hint = f"; did you mean {near[0]}?" if near else ""
     raise InputError(key, f"{name!r} is no column of {of}{hint}", ", ".join(columns))
-
-
-def split_unit(column: str) -> tuple[str, str]:
-    """Name of a column without its unit, and the unit, which may be empty.
-
-    Examples
-    --------
-    >>> split_unit("support_0_moment_x_Nm")
-    ('support_0_moment_x', 'Nm')
-    """
-    stem, _, last = column.rpartition("_")
-    return (stem, last) if stem and last in UNITS else (column, "")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.results.column_names import split_unit
+from fissura.text.units import split_unit
 
 if TYPE_CHECKING:
     from fissura.results.result import Result
