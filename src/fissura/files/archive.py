@@ -25,16 +25,7 @@ _MOST_BYTES = 20_000_000_000
 def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any], *, compress: bool = True) -> None:
     """Write arrays as ``.npz``, never leaving half a file; arrays that hardly shrink are stored as they are.
 
-    Parameters
-    ----------
-    path : Path
-        File to write.
-    name, version : str, int
-        Name and version of the format, kept as ``format`` and ``format_version``.
-    arrays : mapping of str to array or number
-        Content.
-    compress : bool
-        Whether to compress those that shrink.
+    Name and version of the format are kept as ``format`` and ``format_version``.
     """
     with replacing(path) as part, zipfile.ZipFile(part, "w") as archive:
         for key, value in {"format": name, "format_version": version, **arrays}.items():
@@ -47,10 +38,7 @@ def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any]
 def read_archive(path: str | Path, name: str, version: int) -> dict[str, NDArray[Any]]:
     """Read all arrays of a file that `write_archive` wrote.
 
-    Raises
-    ------
-    InputError
-        The file is missing, is something else, or is newer than the given version of the format.
+    A file that is missing, is something else, or is newer than the given version of the format is an `InputError`.
     """
     key, allowed = str(path), f"a {name} file of version 1 to {version}"
     check_file(Path(path), key, allowed, _MOST_BYTES)

@@ -25,13 +25,7 @@ def steps_with_states(result: Result) -> list[int]:
 
 
 def step_of(result: Result, step: int | None) -> int:
-    """Number of a step whose state there is; the last one for None.
-
-    Raises
-    ------
-    InputError
-        There is no state of this step, or of any.
-    """
+    """Number of a step whose state there is, the last one for None; an `InputError` where there is none."""
     known = steps_with_states(result)
     if not known:
         raise InputError(str(result.folder or result.case.name), "has no states of steps")

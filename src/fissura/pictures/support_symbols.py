@@ -155,15 +155,7 @@ def _gauge(place: Place, size: float) -> Symbol:
 
 
 class Symbols:
-    """Symbols in a picture.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw, in mm.
-    found : list of Symbol
-        What to draw.
-    """
+    """Symbols in axes, whose unit is mm."""
 
     def __init__(self, axes: Axes, found: list[Symbol]) -> None:
         self._found = found

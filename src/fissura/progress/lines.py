@@ -32,12 +32,7 @@ class Line(Protocol):
 def line_on(console: Console, share: str) -> Line | None:
     """The line that suits a console; None where nothing can change in place.
 
-    Parameters
-    ----------
-    console : Console
-        Where to write.
-    share : str
-        How the line tells how far it is, in terms of ``task`` of Rich: ``percentage``, ``completed``, ``total``.
+    How far it is the line tells in terms of ``task`` of Rich: ``percentage``, ``completed``, ``total``.
     """
     if console.is_jupyter:
         return NotebookLine()

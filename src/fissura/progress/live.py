@@ -43,15 +43,7 @@ def _count(number: int, thing: str) -> str:
 
 
 class _Live:
-    """A moving line where there can be one, and lines that stay.
-
-    Parameters
-    ----------
-    console : Console
-        Where to write; a moving line if it is a terminal or a notebook.
-    share : str
-        How the line tells how far it is, see `fissura.progress.lines.line_on`.
-    """
+    """A moving line where there can be one, in a terminal or a notebook, and lines that stay; see `line_on`."""
 
     def __init__(self, console: Console, share: str) -> None:
         self._console = console
@@ -73,15 +65,7 @@ class _Live:
 
 
 class RunProgress(_Live):
-    """Shows the steps of a run while it goes on.
-
-    Parameters
-    ----------
-    console : Console
-        Where to write; a moving line if it is a terminal or a notebook.
-    case : Case
-        What is run: it says how far.
-    """
+    """Shows the steps of a run while it goes on; the case says how far it is."""
 
     def __init__(self, console: Console, case: Case) -> None:
         super().__init__(console, "{task.percentage:3.0f} %")
@@ -152,13 +136,7 @@ class RunProgress(_Live):
 
 
 class ManyProgress(_Live):
-    """Shows how many of many runs have ended, and about how long the others take at the pace of these.
-
-    Parameters
-    ----------
-    console : Console
-        Where to write; a moving line if it is a terminal or a notebook.
-    """
+    """Shows how many of many runs have ended, and about how long the others take at the pace of these."""
 
     def __init__(self, console: Console) -> None:
         super().__init__(console, "{task.completed:.0f} of {task.total:.0f} runs")
@@ -167,31 +145,16 @@ class ManyProgress(_Live):
         self._bad: dict[str, int] = {}
 
     def begin(self, missing: int, there: int, first: str) -> None:
-        """Start the clock.
-
-        Parameters
-        ----------
-        missing, there : int
-            Number of runs to do, and of those done before.
-        first : str
-            What happens until the first of them ends.
-        """
+        """Start the clock: runs to do, runs done before, and what happens until the first one ends."""
         self._start = self._shown = time.monotonic()
         self._total, self._before, self._done = missing + there, there, 0
         if self._line is not None and missing:
             self._line.begin(first, done=there, total=self._total)
 
     def ended(self, status: str, message: str, last: str) -> None:
-        """Show that a run has ended.
+        """Show how a run has ended; all but ``"finished"`` are counted.
 
-        Parameters
-        ----------
-        status : str
-            How; all but ``"finished"`` are counted.
-        message : str
-            What to say at once, and not only in passing; may be empty.
-        last : str
-            About this run, in passing; may be empty.
+        Something may be said at once, and something about this run in passing; both may be empty.
         """
         now = time.monotonic()
         self._done += 1

@@ -30,20 +30,7 @@ class TimeLeft:
         self._shares: list[float] = []
 
     def after(self, time: float, share: float) -> float | None:
-        """Take note of how far a run is.
-
-        Parameters
-        ----------
-        time : float
-            Any clock [s].
-        share : float
-            What is done by then, 0 to 1.
-
-        Returns
-        -------
-        float or None
-            Time to the end [s]; None as long as the pace is no guide.
-        """
+        """Time to the end [s], at a time on any clock [s] with this share done; None while the pace is no guide."""
         times, shares = self._times, self._shares
         times.append(time)
         shares.append(share)

@@ -16,21 +16,7 @@ __all__ = ["column_among", "column_named"]
 
 
 def column_named(columns: Iterable[str], name: str, key: str) -> str:
-    """The column that is meant: its name may be without the unit.
-
-    Parameters
-    ----------
-    columns : iterable of str
-        Those that there are.
-    name : str
-        What was asked for.
-    key : str
-        Where, for the message.
-
-    Raises
-    ------
-    InputError
-        There is none, or it holds words.
+    """The column that is meant: its name may be without the unit; an `InputError` if there is none, or it holds words.
 
     Examples
     --------
@@ -43,13 +29,7 @@ def column_named(columns: Iterable[str], name: str, key: str) -> str:
 
 
 def column_among(columns: Sequence[str], name: str, key: str, of: str = "the curve") -> str:
-    """The column that is meant: its name may be without the unit.
-
-    Raises
-    ------
-    InputError
-        There is none.
-    """
+    """The column that is meant: its name may be without the unit; an `InputError` where there is none."""
     found = [column for column in columns if name in (column, split_unit(column)[0])]
     if found:
         return found[0]

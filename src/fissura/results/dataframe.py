@@ -28,14 +28,7 @@ def dataframe_of(curve: Curve) -> Any:
 
 
 def frame(columns: Mapping[str, NDArray[Any]], index: str) -> Any:
-    """Columns as a ``pandas.DataFrame``.
-
-    Parameters
-    ----------
-    columns : mapping of str to (n,) array
-        Columns by name.
-    index : str
-        The one that becomes the index.
+    """Columns, shape (n,), as a ``pandas.DataFrame``, one of them as its index.
 
     Raises
     ------

@@ -68,15 +68,7 @@ class Frame:
 
 
 class HistoryWriter:
-    """Takes the section of every step, and writes them all at the end of a run, or in parts on the way.
-
-    Parameters
-    ----------
-    z : float
-        Where the plane is [m].
-    frames : iterable of Frame, optional
-        Steps that it begins with.
-    """
+    """Takes the section at a z [m] of every step, and writes them all at the end of a run, or in parts on the way."""
 
     def __init__(self, z: float, frames: Iterable[Frame] = ()) -> None:
         self._z = z
@@ -146,14 +138,8 @@ class HistoryWriter:
     def read(self, paths: Iterable[Path], steps: int, tessellation: Tessellation) -> None:
         """Take what was written before instead of a start.
 
-        Parameters
-        ----------
-        paths : iterable of Path
-            Files that `write` wrote. Where they hold the same step, they agree.
-        steps : int
-            Steps to take, the unloaded structure included.
-        tessellation : Tessellation
-            Of the last one of them.
+        These are files that `write` wrote, which agree where they hold the same step; so many steps, the unloaded
+        structure included; and the tessellation of the last one of them.
 
         Raises
         ------

@@ -87,13 +87,7 @@ class Checkpoint:
 
 
 def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
-    """Write a checkpoint; what was there stays until it is whole.
-
-    Raises
-    ------
-    OSError
-        It cannot be written.
-    """
+    """Write a checkpoint; what was there stays until it is whole."""
     numbers, words = _parted(checkpoint.curve)
     arrays: dict[str, NDArray[Any]] = {"curve": np.stack(list(numbers.values())), **words}
     state = pack(checkpoint.state, "state", arrays)
@@ -125,13 +119,7 @@ def _parted(curve: Curve) -> tuple[Curve, Curve]:
 
 
 def checkpoint_in(folder: Path) -> Path:
-    """Path of the checkpoint in a folder.
-
-    Raises
-    ------
-    InputError
-        There is none.
-    """
+    """Path of the checkpoint in a folder; an `InputError` where there is none."""
     path = folder / FILE
     if not path.is_file():
         raise InputError(
@@ -143,13 +131,7 @@ def checkpoint_in(folder: Path) -> Path:
 
 
 def read_checkpoint(folder: Path) -> Checkpoint:
-    """Read the checkpoint in a folder.
-
-    Raises
-    ------
-    InputError
-        There is none, or it is damaged, or another version of Fissura wrote it.
-    """
+    """Read the checkpoint in a folder; an `InputError` where there is none, or it is damaged, or of another version."""
     path = checkpoint_in(folder)
     try:
         arrays = read_archive(path, FORMAT, FORMAT_VERSION)
