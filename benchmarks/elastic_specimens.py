@@ -57,7 +57,7 @@ def system_of(case: Case, *, full: bool, load: Functional | None = None) -> Syst
 
 def solved(system: System) -> FloatArray:
     """Undamaged displacements and rotations under the unit load, (6 n,)."""
-    system.factor_secant(system.virgin())
+    system.symmetric.factor_contacts(system.geometry, system.moduli)
     return system.symmetric.solve(system.load, 1e-9)
 
 

@@ -27,6 +27,7 @@ from fissura import Case
 from fissura.contact import law_from_case
 from fissura.equilibrium import System
 from fissura.linear.amg import SmoothedAggregation
+from fissura.linear.assembly import assemble_secant
 from fissura.linear.direct import best_solver
 from fissura.linear.two_level import TwoLevel
 from fissura.machine.kernel_threads import KernelThreads
@@ -110,6 +111,11 @@ def _system(name: str, seed: int, size: int) -> tuple[Case, System]:
     return case, system
 
 
+def _secant(system: System, history: FloatArray) -> FloatArray:
+    """Entries of the secant stiffness."""
+    return assemble_secant(system.geometry, system.pattern, system.secant_moduli(history))
+
+
 def _timed(call: Callable[[], Any]) -> tuple[Any, float, float]:
     wall, cpu = time.perf_counter(), time.process_time()
     out = call()
@@ -135,7 +141,7 @@ def _two_level(system: System, data: FloatArray) -> dict[str, Any]:
 
 def _beam_row(name: str, seed: int, size: int, *, memory: bool = True) -> dict[str, Any]:
     case, system = _system(name, seed, size)
-    bodies, sound = len(system.tessellation), system.secant(system.virgin())
+    bodies, sound = len(system.tessellation), _secant(system, system.virgin())
     row = {"kind": "size", "case": name, "seed": seed, "bodies": bodies} | _two_level(system, sound)
     solver = TwoLevel(system.pattern, system.tessellation.x, TOLERANCE, reference=sound)
     for share in (0.5, 0.9):
@@ -158,7 +164,7 @@ def _cracked(system: System, case: Case, share: float) -> FloatArray:
     below = x[bodies, 1].mean(axis=1) < notch.depth + share * (case.specimen.size[1] - notch.depth)
     history = system.virgin().copy()
     history[(sides[:, 0] != sides[:, 1]) & below & (share > 0.0), 0] = 0.99
-    return system.secant(history)
+    return _secant(system, history)
 
 
 def _amg(system: System, data: FloatArray, two_level: dict[str, Any]) -> dict[str, Any]:
@@ -189,7 +195,7 @@ def _memory(system: System, names: list[str]) -> dict[str, float]:
     bodies, out = len(system.tessellation), {}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "matrix.pickle"
-        problems = [(s.pattern, s.tessellation.x, s.secant(s.virgin()), s.load) for s in (small, system)]
+        problems = [(s.pattern, s.tessellation.x, _secant(s, s.virgin()), s.load) for s in (small, system)]
         with path.open("wb") as file:
             pickle.dump(problems, file, protocol=5)
         for name in names:
@@ -205,13 +211,13 @@ def _memory(system: System, names: list[str]) -> dict[str, float]:
 def _bar_row(seed: int, size: int) -> dict[str, Any]:
     _, system = _system("tension_bar", seed, size)
     row = {"kind": "bar", "bodies": len(system.tessellation), "held": len(system.pattern.wide.bodies)}
-    return row | _two_level(system, system.secant(system.virgin()))
+    return row | _two_level(system, _secant(system, system.virgin()))
 
 
 def _team_rows(name: str, seed: int, size: int) -> list[dict[str, Any]]:
     """Medians of times with one domain and with several, worked on by different numbers of threads."""
     _, system = _system(name, seed, size)
-    data, x = system.secant(system.virgin()), system.tessellation.x
+    data, x = _secant(system, system.virgin()), system.tessellation.x
     rows: list[dict[str, Any]] = []
     for domains, threads in TEAMS:
         times: list[tuple[float, ...]] = []
@@ -233,7 +239,7 @@ def _team_rows(name: str, seed: int, size: int) -> list[dict[str, Any]]:
 def _crack_row(name: str, seed: int) -> dict[str, Any]:
     """Iterations against crack length: two-level, the same with clusters that reach across the crack, and amg."""
     case, system = _system(name, seed, CRACKED)
-    sound = system.secant(system.virgin())
+    sound = _secant(system, system.virgin())
     whole = np.full_like(sound, 0.0)  # against nothing, every contact counts as intact
     x = system.tessellation.x
     solvers = {

@@ -95,7 +95,7 @@ def _prisms(seed: int) -> list[dict[str, Any]]:
             "twist": 0.1406 * modulus / (2.0 * (1.0 + poisson)) * side**4,
         }
         for way, system in _loaded(side, seed):
-            system.factor_secant(system.virgin())
+            system.symmetric.factor_contacts(system.geometry, system.moduli)
             u = system.symmetric.solve(system.load, 1e-9).reshape(-1, 6)
             found = 1.0 / _strain(way, system.tessellation.x, u[:, :3], side)
             rows.append({"case": way, "seed": seed, "spacings": spacings, "ratio": found / theory[way]})

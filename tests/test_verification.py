@@ -118,9 +118,9 @@ def test_patch_test_of_the_whole_equations(region):
     u = affine(system.tessellation, strain).ravel()
     response = system.response(u, system.virgin())
     assert not response.history[:, 0].any()
-    supports = system.support_rows.T @ (system.support_stiffness * (system.support_rows @ u[system.support_dofs]))
+    supports = system.supports.rows.T @ (system.supports.stiffness * (system.supports.rows @ u[system.supports.dofs]))
     forces = response.forces.copy()
-    forces[system.support_dofs] -= supports
+    forces[system.supports.dofs] -= supports
     expected = surface_resultants(system.tessellation, 60e9 * strain).ravel()
     size = np.abs(supports).max() + np.abs(expected).max()
     np.testing.assert_allclose(forces, expected, atol=1e-13 * size)

@@ -77,7 +77,7 @@ def test_mean_stress_is_the_virial_of_the_external_forces(region):
     state = settle(system, system.virgin(), 1e-6)
     stress = system.stress(state.response, state.load)
     total = np.einsum("i,iab->ab", system.tessellation.volume, stress)
-    reactions = -system.support_stiffness * (system.support_rows @ state.response.u[system.support_dofs])
+    reactions = -system.supports.stiffness * (system.supports.rows @ state.response.u[system.supports.dofs])
     acting = [(system.conditions.loads[0], state.load), *zip(system.conditions.supports, reactions, strict=True)]
     forces = np.concatenate([size * f.coefficients for f, size in acting])
     points = np.concatenate([f.points for f, _ in acting])

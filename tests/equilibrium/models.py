@@ -8,6 +8,7 @@ from fissura.adaptivity import RefinedRegion
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import Leg, System
+from fissura.linear.assembly import assemble, assemble_secant
 from fissura.material import Material
 from fissura.specimen import Domain, conditions_from_case, domain_from_case
 from fissura.specimen.cutting import cut_notches
@@ -79,6 +80,24 @@ def beam_system(case=None, *, region=None, linear="auto"):
     material = Material(m.E, m.alpha, m.f_t, m.G_t, m.f_s, m.f_c, m.G_s, m.K_c, m.mu, m.beta, m.n_c)
     conditions = conditions_from_case(case, domain)
     return System(discretize(nuclei, domain, spacing), material, CusatisCedolin, conditions, linear)
+
+
+def secant_entries(system, history):
+    """Entries of the secant stiffness for given damage."""
+    return assemble_secant(system.geometry, system.pattern, system.secant_moduli(history))
+
+
+def tangent_entries(system, response, history):
+    """Entries of the consistent tangent stiffness at a response."""
+    stiffness = np.zeros((len(system.geometry), 3, 3))
+    stiffness[:, range(3), range(3)] = system.moduli
+    stiffness[system.active] = system.law.tangent(response.strain[system.active], history)
+    return assemble(system.geometry, system.pattern, stiffness)
+
+
+def elastic_contacts(system):
+    """Contacts without the damage law."""
+    return np.setdiff1d(np.arange(len(system.geometry)), system.active)
 
 
 def admitted(domain, cell, x):

@@ -6,11 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from equilibrium.models import BEAM, CONCRETE, beam, beam_system, changed, half_fine
+from equilibrium.models import BEAM, CONCRETE, beam, beam_system, changed, elastic_contacts, half_fine, secant_entries
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
 from fissura.equilibrium import StepSolver, System, prescribed, settle
 from fissura.equilibrium.constraint import Constraint
+from fissura.equilibrium.corrections import StepEquations
+from fissura.equilibrium.newton import _Search
 from fissura.linear import SingularMatrixError
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.tessellation import tessellate
@@ -56,7 +58,7 @@ def test_bar_follows_the_contact_law_into_softening_and_back(bar):
         traction, own = law.response(np.array([[strain, 0.0, 0.0]]), own)
         assert load == pytest.approx(area * traction[0, 0], rel=1e-7)
         assert history[0, 0] == pytest.approx(own[0, 0], abs=1e-9)
-        assert state.norms.force <= 1e-10
+        assert state.residual <= 1e-10
 
 
 def test_bar_under_compression_hardens(bar):
@@ -103,7 +105,7 @@ def test_settle_keeps_the_damage_that_is_there(system):
 
 def test_reciprocity(system):
     """Maxwell-Betti: the gauge under the load moves as the load under the gauge."""
-    system.symmetric.factor(system.secant(system.virgin()))
+    system.symmetric.factor(secant_entries(system, system.virgin()))
     a, b = system.symmetric.solve(np.stack([system.load, system.control], axis=1)).T
     assert system.control @ a == pytest.approx(system.load @ b, rel=1e-8)
 
@@ -121,8 +123,8 @@ def test_a_step_ends_in_equilibrium_at_the_prescribed_value(system, tolerance):
     residual = system.weights * (state.load * system.load - again.forces)
     size = np.linalg.norm(system.weights * system.load) * abs(state.load)
     assert np.linalg.norm(residual) <= tolerance * size * (1 + 1e-6)
-    assert state.norms.force == pytest.approx(np.linalg.norm(residual) / size, rel=1e-6)
-    assert state.norms.energy <= tolerance
+    assert state.residual == pytest.approx(np.linalg.norm(residual) / size, rel=1e-6)
+    assert state.energy <= tolerance
 
 
 def test_elastic_step_is_the_linear_solution(system):
@@ -137,7 +139,7 @@ def test_newton_and_secant_find_the_same_state(system, monkeypatch):
     start = settle(system, system.virgin(), 4e-6)
     guess = (start.response.u, start.load)
     newton = StepSolver(1e-9, 300).solve(system, system.virgin(), prescribed(system, 4e-6), guess, 0.0)
-    monkeypatch.setattr(StepSolver, "_newton", lambda self, trial: self._mixed(trial, 0.0))
+    monkeypatch.setattr(StepEquations, "newton", lambda self, trial, constraint: self.mixed(trial, constraint, 0.0))
     secant = StepSolver(1e-9, 300).solve(system, system.virgin(), prescribed(system, 4e-6), guess, 0.0)
     assert newton.iterations < secant.iterations
     assert newton.load == pytest.approx(secant.load, rel=1e-6)
@@ -164,36 +166,37 @@ def test_gives_up_after_the_allowed_iterations(system):
 def test_elastic_bodies_around_a_fine_zone():
     case = beam()
     system = beam_system(case, region=half_fine())
-    assert len(system.passive)
+    assert len(elastic_contacts(system))
     start = settle(system, system.virgin(), 6e-6)
     state = StepSolver(1e-8, 60).solve(
         system, system.virgin(), prescribed(system, 6e-6), (start.response.u, start.load), 0.0
     )
     assert state is not None
     assert len(state.response.history) == len(system.active)
-    elastic = (system.moduli * state.response.strain)[system.passive]
-    np.testing.assert_allclose(state.response.traction[system.passive], elastic, rtol=1e-12)
+    elastic = (system.moduli * state.response.strain)[elastic_contacts(system)]
+    np.testing.assert_allclose(state.response.traction[elastic_contacts(system)], elastic, rtol=1e-12)
+
+
+def search_of(left):
+    return _Search(StepEquations(None, None, None, 0.0, 1e-4), None, left)
 
 
 @pytest.mark.parametrize("high", [0.01, 0.12, 5.0])  # 1.25, 15 and 600 times as large
 def test_an_iteration_that_alternates_between_two_states_is_left(monkeypatch, high):
     """Whatever the ratio of both residuals: a contact at a kink of its law may be undone by every other correction."""
     sizes = itertools.cycle([high, 0.008])
-    monkeypatch.setattr(StepSolver, "_newton", lambda self, trial: SimpleNamespace(size=next(sizes)))
-    monkeypatch.setattr(StepSolver, "_converged", lambda self, trial: False)
-    solver = StepSolver(1e-4, 30)
-    solver._left = 30
-    solver._newton_phase(SimpleNamespace(size=0.008))
-    assert solver._left >= 26
+    monkeypatch.setattr(StepEquations, "newton", lambda self, trial, constraint: SimpleNamespace(size=next(sizes)))
+    monkeypatch.setattr(StepEquations, "converged", lambda self, trial, constraint: False)
+    search = search_of(30)
+    search._newton_phase(SimpleNamespace(size=0.008))
+    assert search.left >= 26
 
 
 def test_a_leap_that_is_made_up_for_at_once_is_gone_on_with(monkeypatch):
     sizes = iter([6.0, 0.45, 0.01, 1e-3, 1e-5])  # 0.45 is hardly below 0.5, but made up for the leap
-    monkeypatch.setattr(StepSolver, "_newton", lambda self, trial: SimpleNamespace(size=next(sizes)))
-    monkeypatch.setattr(StepSolver, "_converged", lambda self, trial: trial.size <= 1e-5)
-    solver = StepSolver(1e-4, 30)
-    solver._left = 30
-    assert solver._newton_phase(SimpleNamespace(size=0.5)).size == 1e-5
+    monkeypatch.setattr(StepEquations, "newton", lambda self, trial, constraint: SimpleNamespace(size=next(sizes)))
+    monkeypatch.setattr(StepEquations, "converged", lambda self, trial, constraint: trial.size <= 1e-5)
+    assert search_of(30)._newton_phase(SimpleNamespace(size=0.5)).size == 1e-5
 
 
 @pytest.mark.parametrize("prescribed_gauge", [True, False])
@@ -205,17 +208,17 @@ def test_where_a_mixture_fails_the_next_one_has_less_of_the_tangent(system, monk
     if not prescribed_gauge:  # another equation that means the same: a mixture is for prescribed gauges only
         constraint = Constraint(system.control, 0.0, 4e-6, 1e-9, 4e-6)
     expected = StepSolver(1e-8, 300).solve(system, system.virgin(), prescribed(system, 4e-6), guess, 0.0)
-    mixed, shares = StepSolver._mixed, []
+    mixed, shares = StepEquations.mixed, []
 
     def fails(self, *args):
         raise SingularMatrixError("on purpose")
 
-    def only_secant(self, trial, share):
+    def only_secant(self, trial, constraint, share):
         shares.append(share)
-        return fails(self) if share > 0.0 else mixed(self, trial, share)
+        return fails(self) if share > 0.0 else mixed(self, trial, constraint, share)
 
-    monkeypatch.setattr(StepSolver, "_newton", fails)
-    monkeypatch.setattr(StepSolver, "_mixed", only_secant)
+    monkeypatch.setattr(StepEquations, "newton", fails)
+    monkeypatch.setattr(StepEquations, "mixed", only_secant)
     found = StepSolver(1e-8, 300).solve(system, system.virgin(), constraint, guess, 0.0)
     assert shares[:4] == ([0.9, 0.7, 0.5, 0.0] if prescribed_gauge else [0.0] * 4)
     assert set(shares[4:]) == {0.0}
@@ -226,9 +229,10 @@ def test_a_step_is_given_up_when_the_secant_stiffness_fails(system, monkeypatch)
     def fails(self, *args):
         raise SingularMatrixError("on purpose")
 
-    for name in ("_newton", "_mixed"):
-        monkeypatch.setattr(StepSolver, name, fails)
+    tried = []
+    monkeypatch.setattr(StepEquations, "newton", lambda *args: tried.append(1) or fails(*args))
+    monkeypatch.setattr(StepEquations, "mixed", fails)
     guess = (np.zeros(system.size), 0.0)
     solver = StepSolver(1e-8, 300)
     assert solver.solve(system, system.virgin(), prescribed(system, 4e-6), guess, 0.0) is None
-    assert solver._left > 290
+    assert len(tried) == 1

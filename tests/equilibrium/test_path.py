@@ -108,7 +108,7 @@ def test_where_energy_fails_too_a_jump_is_followed_and_then_the_run_given_up():
     assert sizes == pytest.approx([5e-3 / 2**k for k in range(len(sizes))])
     assert sizes[-1] < 1e-4
     assert path.goal(5e-7).patience > 1
-    assert not path.is_jump(path.goal(5e-7), state(0.0, 1.0), state(0.0, 0.0), 1.0)
+    assert not path.skipped(path.goal(5e-7), state(0.0, 1.0), state(0.0, 0.0), 1.0)
     count = 0
     while path.failed(1.0):
         assert path.goal(5e-7).control == "gauge"
@@ -118,7 +118,7 @@ def test_where_energy_fails_too_a_jump_is_followed_and_then_the_run_given_up():
 
 def test_switching_can_be_forbidden():
     path = damaged(switch=False)
-    assert not path.is_jump(path.goal(5e-7), state(0.0, 1.0), state(0.0, 0.0), 1.0)
+    assert not path.skipped(path.goal(5e-7), state(0.0, 1.0), state(0.0, 0.0), 1.0)
     patient = 0
     while path.failed(1.0):
         assert path.goal(5e-7).control == "gauge"
@@ -128,11 +128,11 @@ def test_switching_can_be_forbidden():
 
 def test_a_jump_under_the_gauge_is_noticed():
     path = damaged()
-    assert path.is_jump(path.goal(1e-6), state(0.0, 1.0), state(0.0, 0.7), 1.0)
-    assert not path.is_jump(path.goal(1e-6), state(0.0, 1.0), state(0.0, 0.9), 1.0)
-    assert not path.is_jump(path.goal(1e-6), state(0.0, 1.0), state(0.0, 1.3), 1.0)
+    assert path.skipped(path.goal(1e-6), state(0.0, 1.0), state(0.0, 0.7), 1.0)
+    assert not path.skipped(path.goal(1e-6), state(0.0, 1.0), state(0.0, 0.9), 1.0)
+    assert not path.skipped(path.goal(1e-6), state(0.0, 1.0), state(0.0, 1.3), 1.0)
     assert path.failed(1.0)
-    assert not path.is_jump(path.goal(1e-6), state(0.0, 1.0), state(0.0, 0.7), 1.0)
+    assert not path.skipped(path.goal(1e-6), state(0.0, 1.0), state(0.0, 0.7), 1.0)
 
 
 def test_with_dissipation_control_energy_leads_from_damage_on():
@@ -200,7 +200,7 @@ def test_energy_cannot_lead_while_a_leg_unloads():
         assert path.goal(4e-5).control == "gauge"
         lengths.append(path.length)
     assert len(lengths) > 5
-    assert not path.is_jump(path.goal(4e-5), state(4e-5, 100.0), state(3.9e-5, 60.0), 100.0)
+    assert not path.skipped(path.goal(4e-5), state(4e-5, 100.0), state(3.9e-5, 60.0), 100.0)
     assert not path.broken(0.0, 100.0)
 
 

@@ -101,8 +101,8 @@ def test_forces_of_supports_are_those_in_the_equations():
     u = np.random.default_rng(1).normal(size=system.size)
     response = system.response(u, system.virgin())
     without = system.internal(response.traction, 0.0 * u)
-    rows = np.zeros((len(system.support_rows), system.size))
-    rows[:, system.support_dofs] = system.support_rows
-    spin = response.forces - without + rows.T @ system.support_forces(response)
+    rows = np.zeros((len(system.supports.rows), system.size))
+    rows[:, system.supports.dofs] = system.supports.rows
+    spin = response.forces - without + rows.T @ system.supports.forces(response.u)
     # What is left of the difference is the trace of rotational stiffness, which leaves no resultant force.
     assert_allclose(spin.reshape(-1, 6)[:, :3], 0.0, atol=1e-9 * np.abs(response.forces).max())

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fissura.equilibrium import StepLength
+from fissura.equilibrium import StepLength, limits
 
 
 def test_starts_with_a_power_of_two_below_the_first_step():
@@ -21,15 +21,15 @@ def test_ends_are_multiples_of_the_length():
 
 def test_hard_steps_halve_at_once_and_easy_ones_double_with_patience():
     step = StepLength(8.0, 0.1, 2)
-    assert step.after(StepLength.HARD, 2.0).length == 1.0
-    assert step.after(StepLength.EASY + 1, 2.0).length == 2.0
+    assert step.after(limits.HARD, 2.0).length == 1.0
+    assert step.after(limits.EASY + 1, 2.0).length == 2.0
     once = step.after(1, 2.0)
     assert once.length == 2.0
     assert once.after(1, 4.0).length == 4.0
 
 
 def test_doubles_only_where_the_longer_step_begins():
-    step = StepLength(8.0, 0.1, 2, easy=StepLength.PATIENCE - 1)
+    step = StepLength(8.0, 0.1, 2, easy=limits.EASY_STEPS - 1)
     waiting = step.after(1, 6.0)
     assert waiting.length == 2.0
     assert waiting.after(1, 8.0).length == 4.0
@@ -50,7 +50,7 @@ def test_halving_stops_at_the_smallest():
 
 def test_no_step_is_shorter_than_the_smallest():
     step = StepLength(8.0, 3.0, 1)
-    assert step.after(StepLength.HARD, 4.0).length == 4.0
+    assert step.after(limits.HARD, 4.0).length == 4.0
     assert step.halved() is None
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import bmat, csc_array
 from scipy.sparse.linalg import spsolve
 
-from equilibrium.models import beam, beam_system
+from equilibrium.models import beam, beam_system, secant_entries
 from fissura.equilibrium import settle
 
 L_F = 0.01
@@ -32,8 +32,8 @@ def pressed(size, **changes):
 def yielding(system):
     """Share of the elastic compliance that is due to supports: their energy over that of the whole."""
     state = settle(system, system.virgin(), 1.0)
-    moved = system.support_rows @ state.response.u[system.support_dofs]
-    return float((system.support_stiffness * moved**2).sum() / (state.load * (system.load @ state.response.u)))
+    moved = system.supports.rows @ state.response.u[system.supports.dofs]
+    return float((system.supports.stiffness * moved**2).sum() / (state.load * (system.load @ state.response.u)))
 
 
 def test_cubes_of_any_size():
@@ -76,10 +76,12 @@ POINT = {
 def test_stiffness_is_that_of_exact_supports(changes):
     """Solved again with the supports as constraints, by multipliers."""
     system = pressed((4, 4, 4), **changes)
-    rows = csc_array((len(system.support_rows), system.size))
+    rows = csc_array((len(system.supports.rows), system.size))
     rows = rows.tolil()
-    rows[:, system.support_dofs] = system.support_rows
-    free = csc_array(system.pattern.matrix(system.secant(system.virgin()))) - csc_array(system.constant)
+    rows[:, system.supports.dofs] = system.supports.rows
+    free = csc_array(system.pattern.matrix(secant_entries(system, system.virgin()))) - csc_array(
+        system.supports.constant
+    )
     equations = bmat([[free, rows.T], [rows, None]], format="csc")
     exact = spsolve(equations, np.append(system.load, np.zeros(rows.shape[0])))[: system.size]
     state = settle(system, system.virgin(), 1.0)
@@ -94,7 +96,7 @@ def test_supports_are_stiff_by_the_bodies_that_they_hold():
     system = pressed((4, 4, 4), **POINT)
     contacts = system.tessellation.contacts
     typical = 1e5 * system.law.elastic[0] * np.median(contacts.area / contacts.length)
-    share = system.support_stiffness / typical
+    share = system.supports.stiffness / typical
     assert len(share) == 7
     assert 0.1 < share[6] <= 1.0  # less where the body is held beside its nucleus, and may turn
     assert (share[:6] > 8.0).all()

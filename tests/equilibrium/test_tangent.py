@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from equilibrium.models import beam, beam_system
-from fissura.equilibrium import StepSolver, prescribed, settle, tangent
+from equilibrium.models import beam, beam_system, secant_entries, tangent_entries
+from fissura.equilibrium import StepSolver, limits, prescribed, settle
 from fissura.equilibrium.constraint import Constraint
 from fissura.equilibrium.tangent import TangentSolver
 from fissura.linear import SingularMatrixError, best_solver
@@ -31,7 +31,7 @@ def state(system):
 def direct(system, state, residual, constraint, gap):
     """The same correction with the assembled tangent."""
     solver = best_solver()(system.pattern)
-    solver.factor(system.tangent(state.response, system.virgin()), symmetric=False)
+    solver.factor(tangent_entries(system, state.response, system.virgin()), symmetric=False)
     a, b = solver.solve(np.stack([system.load, residual], axis=1)).T
     more = (gap - constraint.vector @ b) / (constraint.vector @ a + constraint.load_factor)
     return b + more * a, more
@@ -102,7 +102,7 @@ def test_damage_and_displacements_of_an_equilibrium_are_its_secant_solution(syst
     from_state = system.prepared.unit.copy()
     solved = system.prepared.solve(state.response.history)
     np.testing.assert_allclose(from_state, solved, atol=1e-6 * np.abs(solved).max())
-    product = system.pattern.matrix(system.secant(state.response.history)) @ from_state
+    product = system.pattern.matrix(secant_entries(system, state.response.history)) @ from_state
     np.testing.assert_allclose(
         product, state.response.forces / state.load, atol=1e-9 * np.abs(system.load).max() + 1e-9
     )
@@ -117,7 +117,7 @@ def test_preparation_is_renewed_when_old_ones_have_cost_enough(system, state, mo
     def solve(tolerance):
         return solver.solve(state.response, stiffness, state.load, residual, constraint, 0.0, tolerance)
 
-    monkeypatch.setattr(tangent, "_PREPARATION", 3)
+    monkeypatch.setattr(limits, "PREPARATION", 3)
     solve(0.5)
     solve(1e-8)  # takes more than three iterations longer than the first one
     assert system.prepared.count == count
@@ -155,8 +155,8 @@ def test_after_a_failure_the_preparation_is_renewed_at_once(system, stale, monke
     """Also when the failure is the first solution with it, which cannot be compared with an earlier one."""
     solve, fresh, expected = stale
     solver, count = TangentSolver(system), system.prepared.count
-    monkeypatch.setattr(tangent, "_MOST", fresh)
-    monkeypatch.setattr(tangent, "_USELESS", 1e-7)  # what the stale preparation leaves after these iterations
+    monkeypatch.setattr(limits, "MOST_ITERATIONS", fresh)
+    monkeypatch.setattr(limits, "USELESS", 1e-7)  # what the stale preparation leaves after these iterations
     du, load = solve(solver)
     assert system.prepared.count == count + 1
     assert solver.iterations == 2 * fresh
@@ -168,7 +168,7 @@ def test_a_failure_with_a_fresh_preparation_is_final(system, state, stale, monke
     solve, *_ = stale
     system.prepared.prepare(state.response, state.load)
     count = system.prepared.count
-    monkeypatch.setattr(tangent, "_USELESS", 1e-12)
+    monkeypatch.setattr(limits, "USELESS", 1e-12)
     with pytest.raises(SingularMatrixError):
         solve(TangentSolver(system))
     assert system.prepared.count == count
@@ -178,8 +178,8 @@ def test_a_solution_that_was_given_up_is_no_measure_of_a_fresh_preparation(syste
     """Taken for one, it would let the stale preparation stay for good."""
     solve, fresh, expected = stale
     solver, count = TangentSolver(system), system.prepared.count
-    monkeypatch.setattr(tangent, "_MOST", fresh)
-    monkeypatch.setattr(tangent, "_PREPARATION", fresh - 1)
+    monkeypatch.setattr(limits, "MOST_ITERATIONS", fresh)
+    monkeypatch.setattr(limits, "PREPARATION", fresh - 1)
     solve(solver)  # of use, but less exact than was asked for
     assert system.prepared.count == count
     du, _ = solve(solver)

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from equilibrium.models import beam, beam_system
-from fissura.equilibrium import settle
-from fissura.equilibrium import system as module
+from equilibrium.models import beam, beam_system, secant_entries, tangent_entries
+from fissura.equilibrium import limits, settle
 from fissura.linear import SOLVERS, SingularMatrixError
 from fissura.linear.blocks import held_bodies
 from fissura.linear.low_rank import LowRank
@@ -26,9 +25,9 @@ BOTH = {"supports": [{"type": "clamp", "face": "left"}, {"type": "roller", "face
 def systems(changes, monkeypatch):
     """The same structure with its supports as entries, and as rows."""
     case = beam(**{**BAR, **changes})
-    monkeypatch.setattr(module, "_NARROW", 10**9)
+    monkeypatch.setattr(limits, "NARROW", 10**9)
     narrow = beam_system(case)
-    monkeypatch.setattr(module, "_NARROW", 0)
+    monkeypatch.setattr(limits, "NARROW", 0)
     return narrow, beam_system(case)
 
 
@@ -41,14 +40,14 @@ def secant(system, seed=0):
     """With random damage."""
     history = system.virgin().copy()
     history[:, 0] = np.random.default_rng(seed).uniform(size=len(history)) ** 4
-    return system.secant(history)
+    return secant_entries(system, history)
 
 
 def tangent(system):
     u = np.random.default_rng(0).normal(size=system.size) * np.tile(
         np.repeat([1e-6, 1e-4], 3), len(system.tessellation)
     )
-    return system.tangent(system.response(u, system.virgin()), system.virgin())
+    return tangent_entries(system, system.response(u, system.virgin()), system.virgin())
 
 
 def near(found, expected, tolerance=1e-9):
@@ -138,7 +137,7 @@ def test_nothing_at_all():
 
 def test_what_scipy_does_not_solve_is_a_singular_matrix(monkeypatch):
     """A structure that hangs by a thread may overflow; SciPy calls that a ValueError."""
-    monkeypatch.setattr(module, "_NARROW", 0)
+    monkeypatch.setattr(limits, "NARROW", 0)
     system = beam_system(beam(**BAR))
 
     def refuse(matrix):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from equilibrium.models import beam, beam_system
+from equilibrium.models import beam, beam_system, secant_entries
 from fissura.errors import InputError
 from fissura.linear import SingularMatrixError, best_solver
 from fissura.linear import amg as module
@@ -24,10 +24,10 @@ def expected_of(system, data):
 @needs_pyamg
 @pytest.mark.parametrize("changes", [{}, CLAMPED], ids=["line supports", "clamped face"])
 def test_same_solution_as_the_direct_solver(changes, monkeypatch):
-    monkeypatch.setattr("fissura.equilibrium.system._NARROW", 12)
+    monkeypatch.setattr("fissura.equilibrium.limits.NARROW", 12)
     system = beam_system(beam(discretization={"l_f": 0.006, "l_c": 0.012}, **changes))
     assert bool(changes) == (len(system.pattern.wide) > 0)
-    data = system.secant(system.virgin())
+    data = secant_entries(system, system.virgin())
     solver = SmoothedAggregation(system.pattern, system.tessellation.x, 1e-8)
     solver.factor(data, symmetric=True)
     expected = expected_of(system, data)
@@ -42,7 +42,7 @@ def test_same_solution_as_the_direct_solver(changes, monkeypatch):
 @needs_pyamg
 def test_what_it_refuses():
     system = beam_system()
-    data = system.secant(system.virgin())
+    data = secant_entries(system, system.virgin())
     solver = SmoothedAggregation(system.pattern, system.tessellation.x, max_iterations=1)
     with pytest.raises(ValueError, match="symmetric"):
         solver.factor(data, symmetric=False)
@@ -73,7 +73,7 @@ def test_solvers_by_name(name):
     if name == "amg" and module.pyamg is None:
         pytest.skip("PyAMG is not installed")
     system = beam_system()
-    data = system.secant(system.virgin())
+    data = secant_entries(system, system.virgin())
     solver = LINEAR_SOLVERS[name](system.pattern, system.tessellation.x, 1e-8)
     solver.factor(data, symmetric=True)
     expected = expected_of(system, data)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from equilibrium.models import beam_system, half_fine
+from equilibrium.models import beam_system, half_fine, secant_entries, tangent_entries
 from fissura.linear import SOLVERS, SingularMatrixError, best_solver
 
 NAMES = sorted(SOLVERS)
@@ -14,7 +14,7 @@ def system():
 
 @pytest.fixture(scope="module")
 def stiffness(system):
-    return system.secant(system.virgin())
+    return secant_entries(system, system.virgin())
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def unsymmetric(system):
     u = rng.normal(size=system.size) * np.tile(np.repeat([2e-6, 2e-4], 3), len(system.tessellation))
     response = system.response(u, system.virgin())
     assert response.history[:, 0].max() > 0
-    return system.tangent(response, system.virgin())
+    return tangent_entries(system, response, system.virgin())
 
 
 def solved(name, system, data, right, *, symmetric):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from equilibrium.models import beam, beam_system, half_fine
+from equilibrium.models import beam, beam_system, half_fine, secant_entries
 from equilibrium.test_wide import BAR
 from fissura.linear import SingularMatrixError, symmetric
 from fissura.linear.assembly import assemble_secant, pattern
@@ -63,7 +63,7 @@ def test_a_contact_of_a_body_with_itself(system):
     adjacent = np.argsort(owner, kind="stable")
     first = np.searchsorted(owner[adjacent], np.arange(len(system.tessellation) + 1))
     geometry = replace(system.geometry, bodies=bodies, adjacent=adjacent, first=first)
-    form = pattern(geometry, system.constant)
+    form = pattern(geometry, system.supports.constant)
     lower = lower_blocks(form, np.arange(len(system.tessellation)))
     expected = lower.gather(assemble_secant(geometry, form, system.moduli))
     found = assemble_lower(geometry, form, lower, system.moduli)
@@ -87,14 +87,14 @@ def test_moduli_that_are_not_finite(system):
 def test_solvers_of_contacts_and_of_entries_agree(system, name):
     solver = SymmetricSolver(system.pattern, system.tessellation.x, name)
     history = 0.9 * damaged(system)
-    solver.factor(system.secant(history))
+    solver.factor(secant_entries(system, history))
     expected = solver.solve(system.load)
     solver.factor_contacts(system.geometry, system.secant_moduli(history))
     assert solver.matrices == 2
     np.testing.assert_allclose(solver.solve(system.load), expected, atol=1e-7 * np.abs(expected).max())
     found, image = solver.apply_with_product(system.load)
     np.testing.assert_allclose(
-        image, system.pattern.product(system.secant(history), found), atol=1e-7 * np.abs(system.load).max()
+        image, system.pattern.product(secant_entries(system, history), found), atol=1e-7 * np.abs(system.load).max()
     )
 
 
@@ -106,7 +106,7 @@ def test_direct_solver_takes_over_from_contacts(system, monkeypatch):
     solver = SymmetricSolver(system.pattern, system.tessellation.x, "two-level")
     solver.factor_contacts(system.geometry, system.moduli)
     direct = SymmetricSolver(system.pattern, system.tessellation.x, "direct")
-    direct.factor(system.secant(system.virgin()))
+    direct.factor(secant_entries(system, system.virgin()))
     expected = direct.solve(system.load)
     np.testing.assert_allclose(solver.solve(system.load), expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from equilibrium.models import beam, beam_system
+from equilibrium.models import beam, beam_system, secant_entries
 from fissura.linear import SingularMatrixError, symmetric
 from fissura.linear.symmetric import SymmetricSolver
 
@@ -24,7 +24,7 @@ def expected(system):
 
 
 def solved(solver, system):
-    solver.factor(system.secant(system.virgin()))
+    solver.factor(secant_entries(system, system.virgin()))
     return solver.solve(np.stack([system.load, system.control], axis=1))
 
 
@@ -38,7 +38,7 @@ def test_all_solvers_find_the_same(system, make, expected, name):
 @pytest.mark.parametrize("name", NAMES)
 def test_application_comes_with_its_exact_product(system, make, name):
     solver = make(name)
-    data = system.secant(system.virgin())
+    data = secant_entries(system, system.virgin())
     solver.factor(data)
     right = np.random.default_rng(1).normal(size=system.size)
     found, image = solver.apply_with_product(right)
@@ -75,7 +75,7 @@ def test_a_matrix_that_is_not_positive_definite_is_refused(system, make, name):
 
 
 def refused(solver, system):
-    solver.factor(-system.secant(system.virgin()))
+    solver.factor(-secant_entries(system, system.virgin()))
     solver.solve(system.load)
 
 
@@ -83,10 +83,10 @@ def test_a_preparation_counts_only_until_the_solver_is_used_for_another_matrix(s
     prepared = system.prepared
     prepared.solve(system.virgin())
     assert prepared.ready
-    system.symmetric.factor(2.0 * system.secant(system.virgin()))
+    system.symmetric.factor(2.0 * secant_entries(system, system.virgin()))
     assert not prepared.ready
     np.testing.assert_allclose(
-        system.pattern.product(system.secant(system.virgin()), prepared.solve(system.virgin())),
+        system.pattern.product(secant_entries(system, system.virgin()), prepared.solve(system.virgin())),
         system.load,
         atol=1e-6 * np.abs(system.load).max(),
     )

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from equilibrium.models import beam, beam_system
+from equilibrium.models import beam, beam_system, secant_entries
 from fissura import Simulation
 from fissura.case import case_from_dict
 from fissura.errors import InputError
@@ -85,7 +85,7 @@ def test_a_run_uses_the_threads_of_its_case():
 def test_a_small_structure_is_one_domain_and_starts_no_thread(sound):
     threads = KernelThreads(2)
     solver = TwoLevel(sound.pattern, sound.tessellation.x, threads=threads)
-    solver.factor(sound.secant(sound.virgin()), symmetric=True)
+    solver.factor(secant_entries(sound, sound.virgin()), symmetric=True)
     solver.solve(sound.load)
     assert [domain_count(n) for n in (1, 14_999, 15_000, 30_000, 10**6)] == [1, 1, 2, 4, 4]
     assert threads._pool is None
@@ -104,7 +104,7 @@ def test_domains_do_not_touch_each_other(sound, dissected):
 
 
 def test_product_is_that_of_the_matrix(sound, dissected):
-    data = sound.secant(sound.virgin())
+    data = secant_entries(sound, sound.virgin())
     u = np.random.default_rng(1).normal(size=(len(sound.tessellation), 6))
     expected = sound.pattern.product(data, u.ravel()).reshape(-1, 6)
     found = multiply(dissected, dissected.gather(data, threads=KernelThreads(2)), u[dissected.order], KernelThreads(2))
@@ -112,7 +112,7 @@ def test_product_is_that_of_the_matrix(sound, dissected):
 
 
 def test_solutions_do_not_depend_on_the_number_of_domains_beyond_the_tolerance(sound):
-    data = sound.secant(sound.virgin())
+    data = secant_entries(sound, sound.virgin())
     found, iterations = [], []
     for domains in (1, 2, 6):
         solver = TwoLevel(sound.pattern, sound.tessellation.x, domains=domains)
@@ -131,7 +131,7 @@ def test_solutions_do_not_depend_on_the_number_of_threads(sound):
     found = set()
     for threads in (1, 2, 3, 4, 2):
         solver = TwoLevel(sound.pattern, sound.tessellation.x, threads=KernelThreads(threads), domains=DOMAINS)
-        for data in (sound.secant(sound.virgin()), sound.secant(history)):
+        for data in (secant_entries(sound, sound.virgin()), secant_entries(sound, history)):
             solver.factor(data, symmetric=True)
         found.add((solver.solve(sound.load).tobytes(), solver.apply(sound.control).tobytes(), solver.iterations))
     assert len(found) == 1
@@ -139,7 +139,7 @@ def test_solutions_do_not_depend_on_the_number_of_threads(sound):
 
 def test_pivots_that_fail_in_one_domain_are_mended_in_all(sound, monkeypatch):
     """The share that is added to the diagonal is the same for domains and tail, whoever needs it."""
-    data = sound.secant(sound.virgin()).copy()
+    data = secant_entries(sound, sound.virgin()).copy()
     form = lower_blocks(sound.pattern, *dissected_order(sound.pattern, held_bodies(sound.pattern), DOMAINS))
     blocks = form.gather(data)
     for place in (form.bounds[1] - 1, len(form.order) - 1):

@@ -37,13 +37,13 @@ _SMALL = 0.03
 
 def gauge_compliance(system: System) -> float:
     """Controlled quantity per unit load of the undamaged structure [m/N]."""
-    system.factor_secant(system.virgin())
+    system.symmetric.factor_contacts(system.geometry, system.moduli)
     return float(system.control @ system.symmetric.solve(system.load, _TOLERANCE))
 
 
 def _unit_solutions(system: System) -> FloatArray:
     """Undamaged displacements under the unit load, and under a unit force at the gauge, (6 n, 2)."""
-    system.factor_secant(system.virgin())
+    system.symmetric.factor_contacts(system.geometry, system.moduli)
     if np.array_equal(system.load, system.control):
         return np.stack([system.symmetric.solve(system.load, _TOLERANCE_OF_TWO)] * 2, axis=1)
     return system.symmetric.solve(np.stack([system.load, system.control], axis=1), _TOLERANCE_OF_TWO)
@@ -55,7 +55,15 @@ def _compliance(system: System, solutions: FloatArray) -> float:
     Forces that the first solution leaves out of balance move the gauge by their work on the second one.
     """
     loaded, gauged = (np.ascontiguousarray(u) for u in solutions.T)
-    return float(system.control @ loaded + gauged @ (system.load - system.elastic_forces(loaded)))
+    forces = system.internal(system.strain(loaded) * system.moduli, loaded)
+    return float(system.control @ loaded + gauged @ (system.load - forces))
+
+
+def elastic_share(system: System, solutions: FloatArray) -> float:
+    """Part of the undamaged gauge compliance that is due to coarse contacts [m/N], from :func:`_unit_solutions`."""
+    a, b = (system.strain(np.ascontiguousarray(u)) for u in solutions.T)
+    each = system.geometry.volume * np.einsum("ca,ca,ca->c", a, system.moduli, b)
+    return float(each[system.coarse].sum())
 
 
 def calibrated(system: System, target: float, start: float = 1.0) -> System:
@@ -89,7 +97,7 @@ def calibrated(system: System, target: float, start: float = 1.0) -> System:
         compliance = _compliance(system, solutions)
         if abs(compliance / target - 1.0) < _ACCURACY:
             break
-        slope = system.elastic_share(solutions) * system.elastic_scale
+        slope = elastic_share(system, solutions) * system.elastic_scale
         if attempt == 0 and abs(slope) < _SMALLEST_SHARE * target:
             break
         inverse = 1.0 / system.elastic_scale + (target - compliance) / slope

@@ -6,11 +6,14 @@ from fissura.equilibrium.attach import attach
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.leg import Leg
 from fissura.equilibrium.memory import SecantMemory, SolverMemory
-from fissura.equilibrium.newton import Equilibrium, Norms, StepSolver, UnmovedGaugeError, reach_of, settle
+from fissura.equilibrium.newton import StepSolver
 from fissura.equilibrium.path import Goal, Leading, PathFollower
 from fissura.equilibrium.places import check_places
+from fissura.equilibrium.reactions import Reactions, reactions
+from fissura.equilibrium.response import Response, dissipation
+from fissura.equilibrium.settled import Equilibrium, UnmovedGaugeError, reach_of, settle
 from fissura.equilibrium.steps import StepLength
-from fissura.equilibrium.system import Response, System
+from fissura.equilibrium.system import System
 
 __all__ = [
     "Constraint",
@@ -18,8 +21,8 @@ __all__ = [
     "Goal",
     "Leading",
     "Leg",
-    "Norms",
     "PathFollower",
+    "Reactions",
     "Response",
     "SecantMemory",
     "SolverMemory",
@@ -30,7 +33,9 @@ __all__ = [
     "attach",
     "check_places",
     "dissipating",
+    "dissipation",
     "prescribed",
     "reach_of",
+    "reactions",
     "settle",
 ]

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.equilibrium import limits
 from fissura.linear.krylov import dot
 
 if TYPE_CHECKING:
-    from fissura.equilibrium.system import Response, System
+    from fissura.equilibrium.response import Response
+    from fissura.equilibrium.system import System
 
 __all__ = ["Constraint", "dissipating", "holding", "prescribed"]
 
@@ -81,8 +83,8 @@ def prescribed(system: System, value: float, begun: float = 0.0) -> Constraint:
     """
     scale = max(abs(value), abs(begun))
     if system.by_force:
-        return Constraint(np.zeros(system.size), 1.0, value, 1e-9, scale, prescribed=True)
-    return Constraint(system.control, 0.0, value, 1e-9, scale, prescribed=True)
+        return Constraint(np.zeros(system.size), 1.0, value, limits.VALUE_ERROR, scale, prescribed=True)
+    return Constraint(system.control, 0.0, value, limits.VALUE_ERROR, scale, prescribed=True)
 
 
 def dissipating(system: System, begun: Response, multiplier: float, energy: float) -> Constraint:
@@ -90,8 +92,8 @@ def dissipating(system: System, begun: Response, multiplier: float, energy: floa
 
     All unloading goes to the origin, so the energy that a step dissipates is linear in where it ends, ``(F . u_new -
     F_new . u) / 2`` with all external forces ``F = multiplier load + dead`` (Gutierrez 2004; Verhoosel, Remmers &
-    Gutierrez 2009). Where contacts close, that counts work as dissipated which is stored (:meth:`System.kinks`):
-    whether enough was dissipated is to be seen at the end.
+    Gutierrez 2009). Where contacts close, that counts work as dissipated which is stored (:func:`dissipation`): whether
+    enough was dissipated is to be seen at the end.
 
     Parameters
     ----------
@@ -106,7 +108,7 @@ def dissipating(system: System, begun: Response, multiplier: float, energy: floa
     """
     kept = 0.0 if system.dead is None else 0.5 * dot(system.dead, begun.u)
     vector, factor = 0.5 * system.external(multiplier), -0.5 * dot(system.load, begun.u)
-    return Constraint(vector, factor, energy + kept, 1e-3, energy, begun=begun)
+    return Constraint(vector, factor, energy + kept, limits.ENERGY_ERROR, energy, begun=begun)
 
 
 def holding(system: System, before: Response, after: Response) -> Constraint | None:
@@ -123,4 +125,4 @@ def holding(system: System, before: Response, after: Response) -> Constraint | N
     traction[system.active] = growth[:, None] * after.traction[system.active]
     vector = system.internal(traction, np.zeros(system.size))
     value = dot(vector, after.u)
-    return Constraint(vector, 0.0, value, 1e-6, value) if value > 0.0 else None
+    return Constraint(vector, 0.0, value, limits.HELD_ERROR, value) if value > 0.0 else None

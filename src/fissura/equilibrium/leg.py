@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from fissura.equilibrium.newton import Equilibrium
+    from fissura.equilibrium.settled import Equilibrium
 
 __all__ = ["Leg"]
 

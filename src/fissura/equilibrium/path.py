@@ -12,55 +12,19 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from fissura.equilibrium import limits
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.leg import Leg
 from fissura.equilibrium.steps import StepLength
 
 if TYPE_CHECKING:
     from fissura.case import LoadingStage
-    from fissura.equilibrium.newton import Equilibrium
+    from fissura.equilibrium.settled import Equilibrium
     from fissura.equilibrium.system import System
 
 __all__ = ["Goal", "Leading", "PathFollower"]
 
 _log = logging.getLogger(__name__)
-
-#: Energy takes over at once when a step under the gauge fails; while hardly anything is damaged, for which energy is a
-#: bad guide, the step is halved so many times before.
-_ELASTIC_CUTS = 3
-
-#: Where nothing can lead and one cut did not help, corrections follow the jump of a crack to the next equilibrium: they
-#: may be this many times as many, in so many attempts, since that is slow.
-_CUTS, _PATIENCE, _PATIENT_ATTEMPTS = 1, 15, 3
-
-#: A step under the gauge that loses more than this share of the peak load is a jump, though it converged.
-_JUMP = 0.2
-
-#: Share of the first step asked for below which it is not shortened for the first contact that comes to its strength.
-_LEAST = 1e-9
-
-#: Before the peak, a step that is longer than this share of the way so far is done again with half its length where it
-#: leaves less than that share of the load over the controlled quantity: a flat peak lies within it then, which may be
-#: missed. What is left out is at most a percent of the load (`benchmarks/step_length.py`). Loads above `_TOP` times the
-#: largest one so far count as before the peak.
-_SHORT, _STIFF, _TOP = 0.1, 0.8, 0.99
-
-#: The energy of a step may be halved so many times.
-_HALVINGS = 10
-
-#: The first step in energy is at least the longest one halved so many times.
-_FIRST_HALVINGS = 6
-
-#: Steps in a row in which the gauge must grow before it leads again; twice as many each time that it fails within so
-#: many steps.
-_GROWING, _MOST_GROWING, _SOON = 3, 48, 10
-
-#: Share of the longest energy step that a step must dissipate for the energy to lead from the start of damage on.
-_DAMAGE_BEGINS = 0.25
-
-#: With energy in the lead a run ends at the latest when this share of the peak load is left; not beside other loads,
-#: which the specimen still bears when this one passes through zero.
-_BROKEN = 0.01
 
 
 @dataclass(frozen=True)
@@ -126,8 +90,8 @@ class Leading:
     jumping: bool = False
     failures: int = 0
     growing: int = 0
-    needed: int = _GROWING
-    since: int = _SOON
+    needed: int = limits.GROWING
+    since: int = limits.SOON
     dissipated: float = 0.0
     top: float = 0.0
 
@@ -174,11 +138,11 @@ class PathFollower:
     @staticmethod
     def _beginning(leg: Leg, energy: float, limit: float) -> Leading:
         """What is known before the first step."""
-        first = min(leg.first, max(limit, _LEAST * leg.first))
+        first = min(leg.first, max(limit, limits.LEAST_FIRST * leg.first))
         longest = energy * leg.share
         return Leading(
             StepLength.starting(first, leg.longest, leg.smallest * (first / leg.first)),
-            StepLength(longest, longest / 2.0**_HALVINGS, 0),
+            StepLength(longest, longest / 2.0**limits.HALVINGS, 0),
             top=abs(leg.load),
         )
 
@@ -197,70 +161,41 @@ class PathFollower:
 
     def ended(self, value: float) -> bool:
         """Whether the leg is over, with this value of the controlled quantity."""
-        return self._leg.progress(value) >= self._leg.length * (1.0 - 1e-9)
+        return self._leg.progress(value) >= self._leg.length * (1.0 - limits.AT_END)
 
     def broken(self, load: float, peak: float) -> bool:
         """Whether nothing more is to be done: the load factor [N] has fallen far below the peak."""
-        least = max(self._stop_load, _BROKEN if self.memory.in_energy and self._alone else 0.0)
+        least = max(self._stop_load, limits.BROKEN if self.memory.in_energy and self._alone else 0.0)
         return abs(load) < least * peak <= self.memory.top
 
     def goal(self, value: float) -> Goal:
         """Goal of the next step, from a value of the controlled quantity."""
         if self.memory.in_energy:
             return Goal("dissipation", self.memory.energy.length)
-        patient = self.memory.failures >= _CUTS and (self.memory.jumping or not self._may_switch)
-        patient = patient and self.memory.failures < _CUTS + _PATIENT_ATTEMPTS
+        patient = self.memory.failures >= limits.CUTS and (self.memory.jumping or not self._may_switch)
+        patient = patient and self.memory.failures < limits.CUTS + limits.PATIENT_ATTEMPTS
         leg = self._leg
         end = leg.value(self.memory.gauge.next_value(leg.progress(value), leg.length))
-        return Goal(self._quantity, end, _PATIENCE if patient else 1)
+        return Goal(self._quantity, end, limits.PATIENCE if patient else 1)
 
-    def is_jump(self, goal: Goal, now: Equilibrium, found: Equilibrium, peak: float) -> bool:
-        """Whether a converged step that lost load left out a part of the path that energy can follow.
+    def skipped(self, goal: Goal, now: Equilibrium, found: Equilibrium, peak: float) -> bool:
+        """Whether a converged step from one state to another left something out, so that it is not to be accepted.
 
-        Parameters
-        ----------
-        goal : Goal
-            Its goal.
-        now, found : Equilibrium
-            Where it began and ended.
-        peak : float
-            Largest load so far [N].
+        It lost load, and with it a part of the path that energy can follow, or is so long that the peak may lie within
+        it; `failed` shortens it then. `peak` is the largest load so far [N].
         """
-        lost = self._leg.forward(now.load - found.load)
-        return self._may_switch and not goal.in_energy and not self.memory.jumping and lost > _JUMP * peak
-
-    def is_leap(self, goal: Goal, now: Equilibrium, found: Equilibrium, peak: float) -> bool:
-        """Whether a converged step is so long that the peak may lie within it; `failed` shortens it then.
-
-        Parameters
-        ----------
-        goal : Goal
-            Its goal.
-        now, found : Equilibrium
-            Where it began and ended.
-        peak : float
-            Largest load so far [N].
-        """
+        if goal.in_energy or self.memory.jumping:
+            return False
         leg = self._leg
         so_far, far = leg.progress(now.value), leg.progress(found.value)
-        long = not self._by_force and not goal.in_energy and not self.memory.jumping and so_far > 0.0
-        long = long and far > (1.0 + _SHORT) * so_far and abs(now.load) >= _TOP * peak
-        leapt = long and leg.softened(now, found, _STIFF) and self.memory.gauge.halved() is not None
+        long = not self._by_force and so_far > 0.0 and far > (1.0 + limits.SHORT_STEP) * so_far
+        leapt = long and abs(now.load) >= limits.TOP * peak and leg.softened(now, found, limits.STIFF)
+        leapt = leapt and self.memory.gauge.halved() is not None
         self._remember(leapt=leapt)
-        return leapt
+        return leapt or (self._may_switch and leg.forward(now.load - found.load) > limits.JUMP * peak)
 
     def succeeded(self, goal: Goal, now: Equilibrium, found: Equilibrium, dissipated: float) -> None:
-        """Take note of an accepted step.
-
-        Parameters
-        ----------
-        goal : Goal
-            Its goal.
-        now, found : Equilibrium
-            Where it began and ended.
-        dissipated : float
-            Energy dissipated [J].
-        """
+        """Take note of an accepted step from one state to another, and of the energy dissipated [J]."""
         leg, value, iterations = self._leg, found.value, found.iterations
         growth, top = leg.progress(value) - leg.progress(now.value), max(self.memory.top, abs(found.load))
         self._remember(failures=0, jumping=False, dissipated=dissipated, top=top)
@@ -268,7 +203,7 @@ class PathFollower:
             gauge, needed = self.memory.gauge, self.memory.needed
             growing = self.memory.growing + 1 if growth >= gauge.length / needed else 0
             self._remember(energy=self.memory.energy.after(iterations, 0.0), growing=growing)
-            steady = growing >= needed or (growth > gauge.longest and needed == _GROWING)
+            steady = growing >= needed or (growth > gauge.longest and needed == limits.GROWING)
             if steady and not self._always:
                 # It begins with steps as long as those that energy made, lest it leap over what comes.
                 first = min(max(growth, gauge.smallest), gauge.longest)
@@ -278,7 +213,7 @@ class PathFollower:
             return
         self._remember(since=self.memory.since + 1, gauge=self.memory.gauge.after(iterations, leg.progress(value)))
         loading = leg.forward(found.load) > 0.0
-        if self._always and loading and dissipated >= _DAMAGE_BEGINS * self.memory.energy.longest:
+        if self._always and loading and dissipated >= limits.DAMAGE_BEGINS * self.memory.energy.longest:
             self._take_over()
 
     def failed(self, load: float) -> bool:
@@ -301,18 +236,18 @@ class PathFollower:
             if less is not None:
                 self._remember(energy=less)
             else:
-                self._remember(in_energy=False, jumping=True, failures=_CUTS)
+                self._remember(in_energy=False, jumping=True, failures=limits.CUTS)
             return True
         if self._may_switch and not self.memory.jumping and self._leg.forward(load) > 0.0:
-            if self._damaging or failures > _ELASTIC_CUTS or shorter is None:
+            if self._damaging or failures > limits.ELASTIC_CUTS or shorter is None:
                 self._take_over()
             else:
                 self._remember(gauge=shorter)
             return True
         if shorter is None:
-            if failures > _CUTS:
+            if failures > limits.CUTS:
                 return False
-            self._remember(failures=_CUTS)
+            self._remember(failures=limits.CUTS)
             return True
         self._remember(gauge=shorter)
         return True
@@ -320,7 +255,7 @@ class PathFollower:
     @property
     def _first(self) -> float:
         """Least energy of the first step in which energy leads [J]."""
-        return self.memory.energy.longest / 2.0**_FIRST_HALVINGS
+        return self.memory.energy.longest / 2.0**limits.FIRST_HALVINGS
 
     @property
     def _damaging(self) -> bool:
@@ -332,6 +267,6 @@ class PathFollower:
         memory = self.memory
         first = min(max(memory.dissipated, self._first), memory.energy.longest)
         energy = StepLength.starting(first, memory.energy.longest, memory.energy.smallest)
-        needed = min(2 * memory.needed, _MOST_GROWING) if memory.since < _SOON else _GROWING
+        needed = min(2 * memory.needed, limits.MOST_GROWING) if memory.since < limits.SOON else limits.GROWING
         self._remember(energy=energy, needed=needed, in_energy=True, failures=0, growing=0)
         _log.info("dissipation control is active, with %.3g J a step", energy.length)

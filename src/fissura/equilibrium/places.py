@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.equilibrium import limits
 from fissura.equilibrium.attach import attach_rows, owners_of
 from fissura.errors import InputError
 from fissura.specimen import Conditions
@@ -13,9 +14,6 @@ from fissura.tessellation import Bodies
 __all__ = ["check_places"]
 
 FloatArray = NDArray[np.float64]
-
-#: Share of the largest possible value that is zero but for round-off.
-_ROUND_OFF = 1e-9
 
 
 def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: bool) -> None:
@@ -63,7 +61,7 @@ def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: b
         gauge, key, measured = conditions.gauges[k], conditions.gauge_keys[k], dense[row]
         owner = body[ends[row] - len(gauge.points) : ends[row]]
         most = np.abs(gauge.coefficients).sum()
-        if (owner == owner[0]).all() or np.linalg.norm(measured) <= _ROUND_OFF * most:
+        if (owner == owner[0]).all() or np.linalg.norm(measured) <= limits.NO_VALUE * most:
             raise InputError(
                 key,
                 f"both of its ends lie on one rigid body{when}, so that it measures nothing",
@@ -81,4 +79,4 @@ def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: b
 def _spanned(row: FloatArray, supports: FloatArray) -> bool:
     """Whether a functional vanishes wherever the supports do, given their coefficients in rows."""
     share = np.linalg.lstsq(supports.T, row)[0]
-    return bool(np.linalg.norm(row - share @ supports) <= _ROUND_OFF * np.linalg.norm(row))
+    return bool(np.linalg.norm(row - share @ supports) <= limits.NO_VALUE * np.linalg.norm(row))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.equilibrium import limits
 from fissura.errors import InputError
 from fissura.specimen import Platen
 from fissura.tessellation import Contacts, Tessellation, footprint
@@ -20,13 +21,6 @@ __all__ = ["WithPlatens", "with_platens"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Tangential stiffness of contacts without friction, over that of glued ones as long as the facet is wide: it keeps the
-#: specimen in place.
-_TRACE = 1e-5
-
-#: Length of a contact with a platen, at least, in lengths of the facet: nuclei may lie in the surface itself.
-_SHORTEST = 1e-5
 
 
 @dataclass(frozen=True)
@@ -77,7 +71,7 @@ def with_platens(tessellation: Tessellation, platens: Sequence[Platen]) -> WithP
         area=np.concatenate([inner.area, area]),
         centroid=np.concatenate([inner.centroid, centroid]),
         normal=np.concatenate([inner.normal, normal]),
-        length=np.concatenate([inner.length, np.maximum(height, _SHORTEST * np.sqrt(area))]),
+        length=np.concatenate([inner.length, np.maximum(height, limits.SHORTEST * np.sqrt(area))]),
         fine=np.concatenate([inner.fine, tessellation.fine[body]]),
         polygons=inner.polygons,
     )
@@ -93,7 +87,7 @@ def with_platens(tessellation: Tessellation, platens: Sequence[Platen]) -> WithP
     )
     slippery = np.array([platen.contact == "frictionless" for platen in platens])[owner]
     share = np.ones((len(contacts), 3))
-    trace = _TRACE * contacts.length[len(inner) :] / np.sqrt(area)  # however near a nucleus is to the surface
+    trace = limits.TRACE * contacts.length[len(inner) :] / np.sqrt(area)  # however near a nucleus is to the surface
     share[len(inner) :, 1:] = np.where(slippery, trace, 1.0)[:, None]
     numbers = [len(inner) + np.flatnonzero(owner == k) for k in range(len(platens))]
     return WithPlatens(whole, tuple(numbers), tuple(np.unique(body[owner == k]) for k in range(len(platens))), share)

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from fissura.equilibrium.response import Response
+    from fissura.equilibrium.system import System
 
-    from fissura.specimen import Conditions, Functional
-    from fissura.tessellation import Tessellation
-
-__all__ = ["Carried", "Reactions", "carried", "reactions"]
+__all__ = ["Reactions", "carrying", "reactions"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -37,20 +36,9 @@ class Reactions:
     rest: FloatArray
 
 
-def reactions(conditions: Conditions, sizes: FloatArray, loads: Sequence[Functional], forces: FloatArray) -> Reactions:
-    """Resultants of the forces of supports.
-
-    Parameters
-    ----------
-    conditions : Conditions
-        Supports.
-    sizes : (r,) array
-        Force of every functional of the supports [N].
-    loads : sequence of Functional
-        Unit loads.
-    forces : (L,) array
-        Their sizes [N].
-    """
+def reactions(system: System, response: Response, load: float) -> Reactions:
+    """Resultants of the forces of supports, and what they and all loads leave out of balance under a load factor."""
+    conditions, sizes = system.conditions, system.supports.forces(response.u)
     resultants = np.array([f.coefficients.sum(axis=0) for f in conditions.supports]).reshape(-1, 3)
     middles = np.array([place.middle for place in conditions.held]).reshape(-1, 3)
     owner = np.repeat(np.arange(len(conditions.held)), [place.functionals for place in conditions.held])
@@ -63,46 +51,22 @@ def reactions(conditions: Conditions, sizes: FloatArray, loads: Sequence[Functio
     each = np.zeros((len(middles), 6))
     np.add.at(each, owner, sizes[:, None] * np.hstack([resultants, moments]))
     middle, rest = conditions.middle, each.sum(axis=0)
-    for load, force in zip(loads, forces, strict=True):
-        acting = force * load.coefficients
-        rest += np.hstack([acting.sum(axis=0), np.cross(load.points - middle, acting).sum(axis=0)])
+    for one, force in zip(system.acting.loads, system.forces(load), strict=True):
+        acting = force * one.coefficients
+        rest += np.hstack([acting.sum(axis=0), np.cross(one.points - middle, acting).sum(axis=0)])
     rest[3:] += np.cross(middles - middle, each[:, :3]).sum(axis=0)
     return Reactions(each, rest)
 
 
-@dataclass(frozen=True)
-class Carried:
-    """Contacts of the bodies on which the load and the supports act.
-
-    Attributes
-    ----------
-    places : tuple of (k,) arrays
-        Contacts at every load, and at every support.
-    everywhere : (k,) array
-        All of them.
-    """
-
-    places: tuple[IntArray, ...]
-    everywhere: IntArray
-
-    def sums(self, values: FloatArray) -> FloatArray:
-        """Sums of values of contacts, (m,) -> (L + s + 1,): at loads, at supports, and at all of them."""
-        return np.array([values[contacts].sum() for contacts in (*self.places, self.everywhere)])
-
-
-def carried(tessellation: Tessellation, bodies: list[IntArray]) -> Carried:
-    """Contacts with one of some bodies.
-
-    Parameters
-    ----------
-    tessellation : Tessellation
-        Bodies and contacts.
-    bodies : list of (k,) arrays
-        Bodies on which each load and each support acts.
-    """
+def carrying(system: System) -> tuple[IntArray, ...]:
+    """Contacts of the bodies on which every load but the weight acts, and every support; the last are all of these."""
+    n, loads, acting = len(system.tessellation), len(system.conditions.loads), system.acting
+    # What acts on a platen acts on the bodies under it.
+    bodies = [system.platens.bodies[some[0] - n] if some[0] >= n else some for some in acting.bodies]
+    ends = len(acting.loads) + np.cumsum([0, *(held.functionals for held in system.conditions.held)])
     found = []
-    for some in bodies:
-        of = np.zeros(len(tessellation), dtype=np.bool_)
+    for some in [*bodies[:loads], *(np.concatenate(bodies[a:b]) for a, b in pairwise(ends))]:
+        of = np.zeros(n, dtype=np.bool_)
         of[some] = True
-        found.append(np.flatnonzero(of[tessellation.contacts.bodies].any(axis=1)))
-    return Carried(tuple(found), np.unique(np.concatenate(found)))
+        found.append(np.flatnonzero(of[system.tessellation.contacts.bodies].any(axis=1)))
+    return *found, np.unique(np.concatenate(found))

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-from weakref import proxy
-
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.contact import AppliedLaw, Kinematics
 from fissura.equilibrium.memory import SecantMemory
+from fissura.equilibrium.response import Response
 from fissura.linear.symmetric import SymmetricSolver
 
-if TYPE_CHECKING:
-    from fissura.equilibrium.system import Response, System
-
-__all__ = ["PreparedSecant"]
+__all__ = ["PreparedSecant", "secant_moduli"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+def secant_moduli(moduli: FloatArray, active: IntArray, intact: FloatArray) -> FloatArray:
+    """Moduli of all contacts (m, 3) [Pa] where those in `active` (k,) have shares (k, 3) of their elastic ones left."""
+    out = moduli.copy()
+    out[active] *= intact
+    return out
 
 
 class PreparedSecant:
@@ -24,10 +28,14 @@ class PreparedSecant:
 
     Parameters
     ----------
-    system : System
-        Equations.
+    geometry, moduli : Kinematics, (m, 3) array
+        All contacts, and their elastic moduli [Pa].
+    active, law : (k,) array, AppliedLaw
+        Those with damage, and their law.
+    load, dead : (6 n,) array, (6 n,) array or None
+        Forces per unit of the load factor, and those that are kept; None where there are none of these.
     solver : SymmetricSolver
-        Solver for their secant matrices.
+        Solver for secant matrices of these contacts.
 
     Attributes
     ----------
@@ -41,9 +49,18 @@ class PreparedSecant:
         Forces that these need exactly.
     """
 
-    def __init__(self, system: System, solver: SymmetricSolver) -> None:
-        # The system owns this: a reference back would keep both, and their matrices, until the collector comes.
-        self._system, self._solver = proxy(system), solver
+    def __init__(
+        self,
+        geometry: Kinematics,
+        moduli: FloatArray,
+        active: IntArray,
+        law: AppliedLaw,
+        load: FloatArray,
+        dead: FloatArray | None,
+        solver: SymmetricSolver,
+    ) -> None:
+        self._geometry, self._moduli, self._active, self._law = geometry, moduli, active, law
+        self._load, self._dead, self._solver = load, dead, solver
         self.count = 0
         self._matrix = -1  # number of the matrix that it prepared
         self.intact: FloatArray = np.empty((0, 3))
@@ -58,7 +75,7 @@ class PreparedSecant:
 
     def is_for(self, history: FloatArray) -> bool:
         """Whether it is prepared for the damage of a history: to prepare again would change nothing."""
-        return self.ready and np.array_equal(self._system.law.intact(history), self.intact)
+        return self.ready and np.array_equal(self._law.intact(history), self.intact)
 
     def solve(self, history: FloatArray) -> FloatArray:
         """Displacements under the unit load with given damage, (6 n,).
@@ -70,8 +87,7 @@ class PreparedSecant:
         """
         self._factor(history)
         if not self._exact:
-            self.unit, self.unit_forces = self._solver.solve(self._system.load), self._system.load
-            self._exact = True
+            self.unit, self.unit_forces, self._exact = self._solver.solve(self._load), self._load, True
         return self.unit
 
     def dead(self, history: FloatArray) -> FloatArray:
@@ -83,8 +99,8 @@ class PreparedSecant:
             The structure is a mechanism.
         """
         self._factor(history)
-        assert self._system.dead is not None
-        return self._solver.solve(self._system.dead)
+        assert self._dead is not None
+        return self._solver.solve(self._dead)
 
     def prepare(self, response: Response, load: float) -> None:
         """Prepare for the damage of a state near equilibrium with a load.
@@ -97,7 +113,7 @@ class PreparedSecant:
         SingularMatrixError
             The structure is a mechanism.
         """
-        if load == 0.0 or not np.isfinite(load) or self._system.dead is not None:
+        if load == 0.0 or not np.isfinite(load) or self._dead is not None:
             self.solve(response.history)
             return
         self._factor(response.history)
@@ -105,13 +121,12 @@ class PreparedSecant:
 
     def _factor(self, history: FloatArray) -> None:
         """Prepare the solver; does nothing when it is prepared for this damage."""
-        if self.is_for(history):
-            return
-        self._factor_for(self._system.law.intact(history))
+        if not self.is_for(history):
+            self._factor_for(self._law.intact(history))
 
     def _factor_for(self, intact: FloatArray) -> None:
         """Prepare the solver for what contacts have left, (k, 3)."""
-        self._system.factor_intact(intact)
+        self._solver.factor_contacts(self._geometry, secant_moduli(self._moduli, self._active, intact))
         self._matrix = self._solver.matrices
         self.count += 1
         self.intact, self._exact = intact, False

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from fissura.equilibrium import limits
+
 __all__ = ["StepLength"]
 
 
@@ -32,12 +34,6 @@ class StepLength:
     level: int
     easy: int = 0
 
-    #: A step is easy up to this number of iterations, hard from the second one on.
-    EASY = 5
-    HARD = 12
-    #: Easy steps in a row before the length doubles.
-    PATIENCE = 2
-
     @classmethod
     def starting(cls, first: float, longest: float, smallest: float) -> StepLength:
         """Begin with the length nearest below `first`."""
@@ -53,21 +49,21 @@ class StepLength:
 
     def next_value(self, value: float, target: float) -> float:
         """End of the next step: the next multiple of the length, at most the target [m]."""
-        count = int((value + 1e-6 * self.length) / self.length) + 1
+        count = int((value + limits.ALIGNED * self.length) / self.length) + 1
         # Without the last digit a multiple is the target that it stands for, also where that is not the target yet.
         end = float(f"{count * self.length:.15g}")
-        return target if end > target - 1e-6 * self.length else end
+        return target if end > target - limits.ALIGNED * self.length else end
 
     def after(self, iterations: int, value: float) -> StepLength:
         """Length after a step that ended at `value` and took so many iterations."""
-        if iterations >= self.HARD:
+        if iterations >= limits.HARD:
             return self.halved() or replace(self, easy=0)
-        if iterations > self.EASY or self.level == 0:
+        if iterations > limits.EASY or self.level == 0:
             return replace(self, easy=0)
         easy = self.easy + 1
         doubled = 2.0 * self.length
-        aligned = abs(value / doubled - round(value / doubled)) < 1e-6
-        if easy >= self.PATIENCE and aligned:
+        aligned = abs(value / doubled - round(value / doubled)) < limits.ALIGNED
+        if easy >= limits.EASY_STEPS and aligned:
             return replace(self, level=self.level - 1, easy=0)
         return replace(self, easy=easy)
 

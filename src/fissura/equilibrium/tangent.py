@@ -11,25 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.contact import add_stiffness
+from fissura.equilibrium import limits
 from fissura.equilibrium.constraint import Constraint
 from fissura.equilibrium.memory import SolverMemory
-from fissura.equilibrium.system import Response, System
+from fissura.equilibrium.response import Response
+from fissura.equilibrium.system import System
+from fissura.equilibrium.with_damage import changes
 from fissura.linear.krylov import dot, gmres, norm
 from fissura.linear.protocol import SingularMatrixError
 
 __all__ = ["TangentSolver"]
 
 FloatArray = NDArray[np.float64]
-
-#: Most iterations for one Newton correction.
-_MOST = 60
-
-#: Iterations that one preparation costs, roughly: when as many have been spent on top of what a fresh preparation
-#: needs, it is time for one. This never costs more than twice the best choice in hindsight (`benchmarks/nonlinear.py`).
-_PREPARATION = 20
-
-#: A correction that leaves more than this share of the residual is of no use.
-_USELESS = 0.9
 
 
 class TangentSolver:
@@ -73,7 +66,7 @@ class TangentSolver:
     def _renew(self, response: Response, load: float) -> None:
         """Prepare the secant stiffness where that has become worth its cost."""
         secant = self.system.prepared
-        if not secant.ready or (self._preparation == secant.count and self._excess > _PREPARATION):
+        if not secant.ready or (self._preparation == secant.count and self._excess > limits.PREPARATION):
             secant.prepare(response, load)
         if self._preparation != secant.count:
             self._preparation, self._fresh, self._excess = secant.count, None, 0
@@ -115,7 +108,7 @@ class TangentSolver:
         self._renew(response, load)
         found = self._minimize(stiffness, residual, constraint, gap, tolerance)
         if found is None and not self.system.prepared.is_for(response.history):
-            self._excess = _PREPARATION + 1
+            self._excess = limits.PREPARATION + 1
             self._renew(response, load)
             found = self._minimize(stiffness, residual, constraint, gap, tolerance)
         if found is None:
@@ -133,7 +126,9 @@ class TangentSolver:
         system = self.system
         secant, geometry = system.prepared, system.geometry
         unit, weights, load = secant.unit, system.weights, system.load
-        chosen, change = system.changed(stiffness, secant.intact)
+        chosen, change = changes(
+            stiffness, secant.intact, system.moduli, system.active, limits.SAME_STIFFNESS * system.stiffest
+        )
         a, b = constraint.vector, constraint.load_factor
         # A prescribed load closes its gap alone.
         reach, b = (b, 0.0) if constraint.by_force else (dot(a, unit), b)
@@ -161,7 +156,9 @@ class TangentSolver:
         right = residual - more * off
         if gap != 0.0:
             add_stiffness(geometry, chosen, -change, (more * unit).reshape(-1, 6), right.reshape(-1, 6))
-        found = gmres(operator, np.append(weights * right, -scale * b * more), tolerance, _MOST, system.threads)
+        found = gmres(
+            operator, np.append(weights * right, -scale * b * more), tolerance, limits.MOST_ITERATIONS, system.threads
+        )
         self.iterations += found.iterations
         if self._fresh is None:
             # One that was given up does not tell what a fresh preparation needs: counted as that, no later one would
@@ -169,6 +166,6 @@ class TangentSolver:
             self._fresh = found.iterations if found.reduction <= tolerance else self._usual
             self._usual = self._fresh
         self._excess += max(found.iterations - self._fresh, 0)
-        if not found.reduction < _USELESS or not np.isfinite(found.solution).all():
+        if not found.reduction < limits.USELESS or not np.isfinite(found.solution).all():
             return None
         return found.solution[:-1] + more * unit, float(found.solution[-1]) + more

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fissura.kernels import INNER, njit
 from fissura.linear.blocks import AHEAD, FAST, LowerBlocks
-from fissura.linear.simd import prefetch, times, transposed_times
+from fissura.linear.products import prefetch, times, transposed_times
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["IncompleteCholesky"]

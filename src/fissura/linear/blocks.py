@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from fissura.kernels import njit
 from fissura.linear.assembly import Pattern
-from fissura.linear.simd import prefetch, prefetch_item
+from fissura.linear.products import prefetch, prefetch_item
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = [

@@ -6,7 +6,7 @@ from numpy import zeros
 
 from fissura.kernels import njit
 from fissura.linear.blocks import AHEAD
-from fissura.linear.simd import prefetch, transposed_times
+from fissura.linear.products import prefetch, transposed_times
 
 __all__ = ["prolong", "restrict", "restrict_product"]
 

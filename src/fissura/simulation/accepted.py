@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.equilibrium import dissipation, reactions
 from fissura.simulation.state import Before, Effort, State
 from fissura.simulation.step import Snapshot, Step
 
@@ -63,7 +64,8 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
     drive = system.drive
     if drive.quantity == "gauge" and drive.gauge is not None:
         gauges[drive.gauge] = new.value  # without round-off
-    spent = system.dissipated(old.response, new.response)[: len(system.tessellation.contacts)]
+    spent, stored = dissipation(system, old.response, new.response)
+    spent = spent[: len(system.tessellation.contacts)]
     more = 0.5 * (totals.forces + forces) @ (displacements - totals.displacements)
     work = totals.work + float(more)
     totals = replace(
@@ -71,8 +73,8 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
         forces=forces,
         displacements=displacements,
         dissipated=totals.dissipated + float(spent.sum()),
-        dissipated_at=totals.dissipated_at + system.carried.sums(spent),
-        work=work - float(system.kinks(old.response, new.response).sum()),
+        dissipated_at=totals.dissipated_at + np.array([spent[own].sum() for own in system.carrying]),
+        work=work - float(stored.sum()),
         peak=max(totals.peak, abs(new.load)),
     )
     after = replace(
@@ -86,7 +88,7 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
         effort=Effort(),
         aim=None,
     )
-    reactions = system.reactions(new.response, new.load)
+    held = reactions(system, new.response, new.load)
     conditions = system.conditions
     main = conditions.main
     by_displacement = drive.quantity == "displacement" and np.array_equal(drive.ratios, main.ratios)
@@ -104,16 +106,16 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
         linear_iterations=effort.linear_iterations,
         factorizations=effort.factorizations,
         dissipated=totals.dissipated,
-        stored=system.stored(new.response),
+        stored=new.response.stored,
         work=totals.work,
         exchanged=totals.exchanged,
         max_elastic_utilisation=float(found.elastic.utilisation.max(initial=0.0)),
-        residual=new.norms.force,
+        residual=new.residual,
         snapshot=snapshot_of(system, found),
         control=goal.control,
         quantity=model.case.quantity,
-        reactions=reactions.each,
-        rest=reactions.rest,
+        reactions=held.each,
+        rest=held.rest,
         dissipated_at=np.asarray(totals.dissipated_at),
         load_change=effort.load_change,
         spent=spent,
@@ -122,7 +124,7 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
         done=model.done(after),
         forces=dict(zip(conditions.load_names, forces.tolist(), strict=True)),
         displacements=dict(zip(conditions.load_names, displacements.tolist(), strict=True)),
-        held=tuple(held.name for held in conditions.held),
+        held=tuple(one.name for one in conditions.held),
         gauges=dict(zip(conditions.gauge_names, gauges.tolist(), strict=True)),
     )
     return after, step

@@ -108,7 +108,7 @@ def _attempted(model: Model, state: State, follower: PathFollower, goal: Goal) -
     refinements = 0
     while True:
         system, began, peak = model.system, time.process_time(), state.totals.peak
-        counted = system.factorizations
+        counted = system.symmetric.factorizations
         found = solver.solve(
             system,
             state.now.response.history,
@@ -120,15 +120,13 @@ def _attempted(model: Model, state: State, follower: PathFollower, goal: Goal) -
         iterations = goal.patience * solver.max_iterations if found is None else found.iterations
         state = _worked(
             state,
-            factorizations=system.factorizations - counted,
+            factorizations=system.symmetric.factorizations - counted,
             linear_iterations=solver.linear_iterations,
             iterations=iterations,
         )
         if found is None:
             return replace(state, jumps=state.jumps.failed()), None
-        if follower.is_leap(goal, state.now, found, peak):
-            return state, None
-        if follower.is_jump(goal, state.now, found, peak):
+        if follower.skipped(goal, state.now, found, peak):
             return state, None
         elastic, criterion = model.discretization.assess(found.response, found.load)
         if not (np.nan_to_num(criterion) > sensitivity.gamma).any():
@@ -144,7 +142,7 @@ def _attempted(model: Model, state: State, follower: PathFollower, goal: Goal) -
             state = _refined(model, state, soon, found)
         except (InputError, SingularMatrixError) as error:
             raise RunStopped(f"the refined discretization cannot be used: {error}", *state.position()) from error
-        state = _worked(state, factorizations=model.system.factorizations)
+        state = _worked(state, factorizations=model.system.symmetric.factorizations)
         totals = state.totals
         repeated, refining = totals.cpu_repeated + solved - began, totals.cpu_refining + time.process_time() - solved
         state = replace(state, totals=replace(totals, cpu_repeated=repeated, cpu_refining=refining))
@@ -207,7 +205,7 @@ def _moved(state: State, old: System, system: System) -> State:
     now = settle(system, history, before.value)
     totals = replace(
         totals,
-        exchanged=totals.exchanged + (system.stored(now.response) - old.stored(before.response)),
+        exchanged=totals.exchanged + (now.response.stored - before.response.stored),
         forces=system.forces(now.load),
         displacements=np.asarray(system.acting.load_rows @ now.response.u),
     )

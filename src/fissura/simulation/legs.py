@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fissura.case.programme import GRAVITY, StageTarget
 from fissura.case.stages import LoadingStage
-from fissura.equilibrium import Equilibrium, Leg, UnmovedGaugeError, reach_of
+from fissura.equilibrium import Leg, UnmovedGaugeError, reach_of
 from fissura.errors import InputError
 from fissura.simulation.discretization import Driven
 from fissura.specimen import Drive
@@ -197,7 +197,7 @@ def entered(model: Model, state: State, way: Ahead) -> State:
     else:
         slope, limit = _elastic(system, state)
     leg = _leg(planned, way, float(slope), model.longest_way(planned.number))
-    now = Equilibrium(state.now.response, way.load, way.value, state.now.norms)
+    now = replace(state.now, load=way.load, value=way.value, iterations=0)
     state = replace(
         state,
         leg=leg,

@@ -15,7 +15,6 @@ from fissura.equilibrium import (
     Equilibrium,
     Leading,
     Leg,
-    Norms,
     SecantMemory,
     SolverMemory,
     StepLength,
@@ -108,7 +107,6 @@ TYPES: tuple[type, ...] = (
     Layout,
     Leading,
     Leg,
-    Norms,
     Notice,
     RefinedRegion,
     Rows,
@@ -201,7 +199,7 @@ def restored(found: SavedState, model: Model) -> State:
     kept: Any = state.now.response
     strain = system.strain(kept.u)
     damaged = kept.damaged.put(strain[system.active] * system.moduli[system.active])
-    response = system.reached(kept.u, damaged, kept.history.put(system.virgin()))
+    response = system.answer(kept.u, strain, damaged, kept.history.put(system.virgin()))
     solver, secant = state.solver, state.solver.secant
     if secant is not None:
         saved_intact: Any = secant.intact
