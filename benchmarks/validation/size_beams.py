@@ -17,6 +17,8 @@ SPAN, LENGTH, THICKNESS = 2.5, 3.5, 0.05
 STOP, STOP_LARGE, STOP_LARGEST = 0.8, 0.9, 0.95
 #: Beams that run to the end of the tail, how many of each, and the part of the peak at which the tail ends.
 WORK, WORK_RUNS, TAIL = ((50, 0.2), (50, 0.5), (100, 0.5), (200, 0.5)), 3, 0.01
+#: Part of the peak up to which prisms in direct tension were pulled apart, in benchmarks/meaning.py.
+PRISM = 0.05
 
 
 def beam(depth: float, notch: float, fitted: Case, *, tail: bool = False) -> Case:

@@ -11,7 +11,7 @@ import above  # noqa: F401
 import numpy as np
 import size_laws
 from predicted import LINE, MEAN
-from size_beams import DEPTHS, NOTCHES, TAIL, WORK
+from size_beams import DEPTHS, NOTCHES, PRISM, TAIL, WORK
 
 from common import shown, table
 from fissura import Case
@@ -59,8 +59,9 @@ def markdown(rows: list[dict[str, Any]], fitted: Case) -> str:
             _table_of_notched(rows, modulus),
             "**Not notched.** Law of a boundary layer, `s = s_∞ (1 + r D_b/d)^(1/r)`:",
             _table_of_unnotched(rows),
-            "**Energies.** *Work*: that of the load up to"
-            f" {TAIL:.0%} of the peak, over the ligament; *tail*: `F u` at this end, what a tail `F ~ 1/u²` would add.",
+            "**Energies**, over the ligament. *To 5 %*: dissipated until the load has fallen to"
+            f" {PRISM:.0%} of its peak, the end of the prisms. *Work*: all of the load up to {TAIL:.0%} of the peak, or"
+            " to an opening of 4 % of the depth. *Tail*: `F u` there, what a tail `F ~ 1/u²` would add.",
             _table_of_work(rows),
             _table_of_energies(rows, fitted),
         ]
@@ -132,13 +133,23 @@ def _table_of_unnotched(rows: list[dict[str, Any]]) -> str:
 
 
 def _table_of_work(rows: list[dict[str, Any]]) -> str:
-    heads = ["depth [mm]", "notch / depth", "realisations", "peak [kN]", "work [J/m²]", "tail [J/m²]", "time [s]"]
+    heads = [
+        "depth [mm]",
+        "notch / depth",
+        "realisations",
+        "peak [kN]",
+        "to 5 % [J/m²]",
+        "work [J/m²]",
+        "tail [J/m²]",
+        "time [s]",
+    ]
     lines = [
         [
             f"{depth}",
             f"{notch:g}",
             f"{len(mine)}",
             shown((row["peak_N"] / 1e3 for row in mine), 2),
+            shown((row["spent_J_m2"] for row in mine), 1),
             shown((row["work_J_m2"] for row in mine), 1),
             shown((row["tail_J_m2"] for row in mine), 1),
             f"{mean(row['cpu_s'] for row in mine):.0f}",
@@ -152,6 +163,7 @@ def _table_of_work(rows: list[dict[str, Any]]) -> str:
 def _table_of_energies(rows: list[dict[str, Any]], fitted: Case) -> str:
     material, unit = fitted.material, fitted.material.G_t
     both = size_laws.together(*series(rows, *NOTCHES[1:]), whole_modulus(fitted))
+    spent = [row["spent_J_m2"] for row in rows if row["kind"] == "work"]
     works = [row["work_J_m2"] for row in rows if row["kind"] == "work"]
     brittleness = 2.0 * material.E * unit / material.f_t**2 / fitted.discretization.l_f
     prisms = [unit * bound for bound in macroscopic_tension().energy(brittleness, material.alpha)]
@@ -159,7 +171,12 @@ def _table_of_energies(rows: list[dict[str, Any]], fitted: Case) -> str:
     lines = [
         ["`G_t`, of the contacts", f"{unit:g}", "1"],
         ["`G_f`, both notches", _with(both.first, both.errors[0], 1), f"{both.first / unit:.2f}"],
-        ["`G_F`, of prisms in direct tension", "{:.0f} to {:.0f}".format(*prisms), f"{sum(prisms) / 2 / unit:.2f}"],
+        [
+            "`G_F`, of prisms in direct tension to 5 %",
+            "{:.0f} to {:.0f}".format(*prisms),
+            f"{sum(prisms) / 2 / unit:.2f}",
+        ],
+        ["beams, dissipated to 5 % of the peak", _with(mean(spent), stdev(spent), 1), f"{mean(spent) / unit:.2f}"],
         ["`W_F`, work of fracture", _with(mean(works), stdev(works), 1), f"{mean(works) / unit:.2f}"],
     ]
     return table(heads, lines)

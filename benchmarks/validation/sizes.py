@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from typing import Any
 import above  # noqa: F401
 import numpy as np
 import size_laws
-from size_beams import DEPTHS, NOTCHES, SPAN, THICKNESS, WORK, WORK_RUNS, beam, realisations
+from size_beams import DEPTHS, NOTCHES, PRISM, SPAN, THICKNESS, WORK, WORK_RUNS, beam, realisations
 from size_tables import markdown, picture, series, whole_modulus
 
 from common import ROOT, Check, Report, main, options, say
@@ -61,7 +62,9 @@ def _computed(kind: str, depth: int, notch: float, fitted: Case, runs: int, keep
             continue
         curve = read_curve(place)
         peak, ligament = float(told["peak_load_N"]), (1.0 - notch) * THICKNESS * depth / 1e3
-        left, at = float(curve["load_N"][-1]), float(curve["load_displacement_m"][-1])
+        load, spent = curve["load_N"].astype(float), curve["dissipated_J"].astype(float)
+        left, at = float(load[-1]), float(curve["load_displacement_m"][-1])
+        behind = np.flatnonzero((np.arange(len(load)) > load.argmax()) & (load <= PRISM * peak))
         rows.append(
             {
                 "case": case.name,
@@ -73,6 +76,7 @@ def _computed(kind: str, depth: int, notch: float, fitted: Case, runs: int, keep
                 "strength_Pa": 1.5 * peak * SPAN / (THICKNESS * depth / 1e3),
                 "left": left / peak,
                 "work_J_m2": float(told["work_J"]) / ligament,
+                "spent_J_m2": float(spent[behind[0]]) / ligament if len(behind) else math.nan,
                 "tail_J_m2": left * at / ligament,
                 "torn": sum("torn out" in warning for warning in told["warnings"]),
                 "jumps": sum("damage jumped" in warning for warning in told["warnings"]),
