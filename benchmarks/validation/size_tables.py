@@ -188,9 +188,9 @@ def picture(rows: list[dict[str, Any]], path: Path) -> None:
 
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
     axes = figure.subplots()
-    fine = np.geomspace(40, 500, 100)
     for notch, marker in zip(NOTCHES, "osv", strict=True):
         _, x, y = series(rows, notch)
+        fine = 1e3 * np.geomspace(min(x), max(x), 50)
         label = f"notch {notch:g} of the depth" if notch else "no notch"
         if notch:
             law = size_laws.notched(x, y)
