@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fissura.linear.symmetric import LINEAR_SOLVERS
+from fissura.case.registry import SOLVERS
 
 #: Relative error of iterative solutions in the energy norm.
 TOLERANCE = 1e-6
@@ -61,7 +61,7 @@ def main(path: str, name: str) -> int:
 
 
 def _solve(name, form, x, data, right):  # type: ignore[no-untyped-def]
-    solver = LINEAR_SOLVERS[name](form, x, TOLERANCE)
+    solver = SOLVERS[name](form, x, TOLERANCE)
     solver.factor(data, symmetric=True)
     return solver.solve(right)
 
@@ -69,6 +69,6 @@ def _solve(name, form, x, data, right):  # type: ignore[no-untyped-def]
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("path", help="file of both problems")
-    parser.add_argument("solver", choices=sorted(LINEAR_SOLVERS))
+    parser.add_argument("solver", choices=sorted(SOLVERS))
     found = parser.parse_args()
     sys.exit(main(found.path, found.solver))

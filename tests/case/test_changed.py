@@ -135,7 +135,7 @@ def test_materials_of_regions(small_case: Any) -> None:
         ({"supports[2].at": 1}, "supports[2]", "supports[0] to supports[1]"),
         ({"supports.at": 1}, "supports", "supports[0] to supports[1]"),
         ({"supports[1].at": "9 banana"}, "supports[1].at", "banana"),
-        ({"supports[1].type": "pim"}, "supports[1].type", '"pin"'),
+        ({"supports[1].type": "pim"}, "supports[1].type", "pin, roller"),
         ({"seed.x": 1}, "seed", "neither a table nor a list"),
         ({"loads[0].at": 1}, "loads", "NAME"),
         ({"notch.depth": 0.02, "notch[0].width": 0.01}, "notch", "both with and without"),

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from equilibrium.models import beam, beam_system, secant_entries
+from fissura.case.registry import SOLVERS
 from fissura.errors import InputError
 from fissura.linear import SingularMatrixError, best_solver
 from fissura.linear import amg as module
 from fissura.linear.amg import SmoothedAggregation, rigid_motions
-from fissura.linear.symmetric import LINEAR_SOLVERS
 
 CLAMPED = {
     "supports": [{"type": "clamp", "face": "left"}],
@@ -68,13 +68,13 @@ def test_rigid_motions_strain_nothing():
     assert np.abs(strains).max() < 1e-10
 
 
-@pytest.mark.parametrize("name", sorted(LINEAR_SOLVERS))
+@pytest.mark.parametrize("name", sorted(SOLVERS))
 def test_solvers_by_name(name):
     if name == "amg" and module.pyamg is None:
         pytest.skip("PyAMG is not installed")
     system = beam_system()
     data = secant_entries(system, system.virgin())
-    solver = LINEAR_SOLVERS[name](system.pattern, system.tessellation.x, 1e-8)
+    solver = SOLVERS[name](system.pattern, system.tessellation.x, 1e-8)
     solver.factor(data, symmetric=True)
     expected = expected_of(system, data)
     np.testing.assert_allclose(solver.solve(system.load), expected, rtol=0.0, atol=1e-6 * np.abs(expected).max())

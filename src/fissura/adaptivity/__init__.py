@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from fissura.adaptivity.calibration import calibrated, gauge_compliance
 from fissura.adaptivity.coarsening import Coarsening, needed_bodies
-from fissura.adaptivity.criterion import CRITERIA, ElasticState, criterion_named
+from fissura.adaptivity.criterion import ElasticState
 from fissura.adaptivity.estimate import load_error_bound
 from fissura.adaptivity.layout import Layout
 from fissura.adaptivity.region import RefinedRegion, region_from_case
 from fissura.adaptivity.transfer import transfer_history
 
 __all__ = [
-    "CRITERIA",
     "Coarsening",
     "ElasticState",
     "Layout",
     "RefinedRegion",
     "calibrated",
-    "criterion_named",
     "gauge_compliance",
     "load_error_bound",
     "needed_bodies",

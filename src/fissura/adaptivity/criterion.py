@@ -5,16 +5,14 @@ Each returns a value per body, 1 meaning at its strength; coarse bodies above ``
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.errors import InputError
 from fissura.tessellation import Tessellation
 
-__all__ = ["CRITERIA", "ElasticState", "criterion_named", "rankine", "utilisation"]
+__all__ = ["ElasticState", "rankine", "utilisation"]
 
 FloatArray = NDArray[np.float64]
 
@@ -56,20 +54,3 @@ def utilisation(state: ElasticState) -> FloatArray:
     for side in (0, 1):
         np.maximum.at(value, state.tessellation.contacts.bodies[:, side], state.utilisation)
     return value
-
-
-#: Criteria by the name that a case file gives.
-CRITERIA: dict[str, Callable[[ElasticState], FloatArray]] = {"utilisation": utilisation, "rankine": rankine}
-
-
-def criterion_named(name: str) -> Callable[[ElasticState], FloatArray]:
-    """The criterion of a case.
-
-    Raises
-    ------
-    InputError
-        Unknown name.
-    """
-    if name not in CRITERIA:
-        raise InputError("adaptivity.criterion", f"{name!r} is not known", ", ".join(sorted(CRITERIA)))
-    return CRITERIA[name]

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field
 from fissura.case.part import Part
 from fissura.case.ranges import LONGEST
 from fissura.case.region import Region
+from fissura.case.registry import CRITERIA, NameIn
 from fissura.case.types import Flag, Fraction, PositiveLength, as_tuple, at_most, fail
 
 __all__ = ["LEVELS", "Adaptivity", "Level"]
@@ -52,7 +53,7 @@ _DEFAULT = LEVELS[1]
 class Adaptivity(Part):
     """When and where the discretization is refined; its radii are nan until a case resolves them."""
 
-    criterion: str = Field(default="utilisation", description="the name of a criterion")
+    criterion: Annotated[str, NameIn(CRITERIA)] = Field(default="utilisation", description="the name of a criterion")
     tolerance: Fraction | None = None
     gamma: Fraction = Field(default=math.nan, validate_default=False)
     r_f: PositiveLength = Field(default=math.nan, validate_default=False)

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from fissura.case.material import Material
+from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
 from fissura.case.units import show
 from fissura.errors import InputError
@@ -98,8 +99,8 @@ def _now(part: Part, key: str) -> Any:
         return part.whole
     if key in type(part).model_fields:
         return getattr(part, key)
-    # A law's own table is kept apart; constants of a region are beside the fields.
-    return getattr(part, "parameters", None) if key == getattr(part, "law", None) else None
+    # Constants of a region are beside the fields.
+    return part.own(key) if isinstance(part, WithOwnTable) else None
 
 
 def value_at(part: Part, key: str) -> Any:

@@ -3,27 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    Field,
-    ModelWrapValidatorHandler,
-    PrivateAttr,
-    SerializationInfo,
-    SerializerFunctionWrapHandler,
-    TypeAdapter,
-    ValidationError,
-    ValidationInfo,
-    model_serializer,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from fissura.case.laws import parameters_of
 from fissura.case.macroscopic import macroscopic_elasticity
+from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
 from fissura.case.region import Region
+from fissura.case.registry import LAWS, NameIn
 from fissura.case.types import (
     Alpha,
     BulkModulus,
@@ -72,10 +60,12 @@ class Macro(Part):
         return macroscopic_elasticity().contact(self.E, self.nu)
 
 
-class Material(Part):
+class Material(WithOwnTable):
     """Constants of the contact law (theory section 3); `macro` only serves to find two of them and is None then."""
 
-    law: str = Field(default="cusatis-cedolin", description="the name of a law")
+    registry: ClassVar = LAWS
+
+    law: Annotated[str, NameIn(LAWS)] = Field(default="cusatis-cedolin", description="the name of a law")
     macro: Macro | None = Field(default=None, exclude=True, description="a table with E and nu")
     E: Modulus = Field(
         default_factory=instead("macro", lambda macro: macro.contact[0]),
@@ -95,12 +85,11 @@ class Material(Part):
     beta: Shape = 1.0
     n_c: Exponent = 2.0
     elastic: Annotated[tuple[Region, ...], BeforeValidator(as_tuple), at_most(10_000)] = ()
-    _parameters: BaseModel | None = PrivateAttr(default=None)
 
-    @property
-    def parameters(self) -> BaseModel | None:
-        """Constants of the law's own table ``[material.NAME]``, an instance of its model; None where it has none."""
-        return self._parameters
+    @classmethod
+    def tables(cls) -> list[str]:
+        """None: the table of a law goes with that law only."""
+        return []
 
     @property
     def whole(self) -> Macro | None:
@@ -111,38 +100,11 @@ class Material(Part):
         except (InputError, ValidationError):
             return None
 
-    @model_validator(mode="wrap")
     @classmethod
-    def _with_parameters(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
-        """Take out the table that has the law's name, and let the law's own model validate it."""
-        name = data.get("law", cls.model_fields["law"].default) if isinstance(data, Mapping) else None
-        if not isinstance(name, str) or name in cls.model_fields:
-            return handler(data)
-        try:
-            model = parameters_of(name)
-        except InputError:
-            if (info.context or {}).get("files_exist", True):
-                raise
-            # A case that was run where the law is known, and is only looked at here.
-            return handler({key: value for key, value in data.items() if key != name})
-        if model is None:
-            return handler(data)
-        found = handler({key: value for key, value in data.items() if key != name})
-        # As an entry of a dictionary, so that errors tell the whole key.
-        found._parameters = TypeAdapter(dict[str, model]).validate_python({name: data.get(name, {})})[name]  # type: ignore[valid-type]
-        return found
-
-    @model_serializer(mode="wrap")
-    def _dumped(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> dict[str, Any]:
-        out: dict[str, Any] = handler(self)
-        if self._parameters is not None:
-            out[self.law] = self._parameters.model_dump(mode=info.mode)
-        return out
-
-    @classmethod
-    def table(cls, key: str) -> type[BaseModel] | None:
-        """Model of a table that is not among the fields: that of a law."""
-        return None if key in cls.model_fields else parameters_of(key)
+    def named_in(cls, data: Mapping[str, Any]) -> str | None:
+        """Name of the law."""
+        name: str | None = data.get("law", cls.model_fields["law"].default)
+        return name
 
     @model_validator(mode="after")
     def _ratios(self) -> Self:
@@ -177,8 +139,4 @@ class Material(Part):
 
     def _given(self, update: Mapping[str, Any]) -> dict[str, Any]:
         replaced = ("macro",) if update.get("macro") is None else ("E", "alpha")
-        given = {key: value for key, value in super()._given(update).items() if key not in replaced}
-        own = (
-            {} if self._parameters is None or update.get("law", self.law) != self.law else {self.law: self._parameters}
-        )
-        return given | own
+        return {key: value for key, value in super()._given(update).items() if key not in replaced}

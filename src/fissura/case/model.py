@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, Generic, Literal, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 from pydantic import (
     BeforeValidator,
@@ -21,12 +21,14 @@ from fissura.case.ensemble import Ensemble
 from fissura.case.field import Field as RandomField
 from fissura.case.material import Macro, Material
 from fissura.case.materials import MaterialRegion
+from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
 from fissura.case.place import Notch, Patch
 from fissura.case.platen import PlatenOfLoad, PlatenOfSupport
 from fissura.case.programme import GRAVITY, Control, Gravity, Stage
 from fissura.case.ranges import LONGEST, unless
 from fissura.case.region import BallRegion, BoxRegion
+from fissura.case.registry import GAUGES, SOLVERS, SUPPORTS, NameIn
 from fissura.case.shape import Specimen, Voids
 from fissura.case.stages import LoadingStage, resolved_stages
 from fissura.case.types import (
@@ -93,7 +95,7 @@ def folder_name(text: str) -> str:
 class Support(Patch):
     """Patch of the surface that is held."""
 
-    type: Literal["pin", "roller", "clamp", "guide"] = Field(description='"pin", "roller", "clamp" or "guide"')
+    type: Annotated[str, NameIn(SUPPORTS)]
     platen: PlatenOfSupport = None
 
 
@@ -104,12 +106,32 @@ class Load(Patch):
     platen: PlatenOfLoad = None
 
 
-class Gauge(Part):
-    """Mean displacement of patch b minus that of patch a; direction None: from a to b."""
+_PLACE = 'a place such as { face = "bottom", at = "%s" }'
 
-    a: Patch = Field(description='a place such as { face = "bottom", at = "170 mm" }')
-    b: Patch = Field(description='a place such as { face = "bottom", at = "180 mm" }')
+
+class Gauge(WithOwnTable):
+    """Mean displacement of patch b minus that of patch a; direction None: from a to b. Other kinds have own tables."""
+
+    registry: ClassVar = GAUGES
+
+    a: Patch | None = Field(default=None, description=_PLACE % "170 mm")
+    b: Patch | None = Field(default=None, description=_PLACE % "180 mm")
     direction: Direction | None = Field(default=None, description="three numbers")
+
+    @property
+    def kind(self) -> str:
+        """Name of what it measures."""
+        return self.own_name or "opening"
+
+    @model_validator(mode="after")
+    def _places(self) -> Self:
+        for key in ("a", "b", "direction"):
+            given = getattr(self, key) is not None
+            if self.own_name and given:
+                fail(f"is given together with {self.own_name}", f"either a and b, or {self.own_name}", key)
+            if not (self.own_name or given or key == "direction"):
+                fail("missing", f"{type(self).model_fields[key].description}", key)
+        return self
 
 
 class Discretization(Part):
@@ -129,7 +151,7 @@ class Discretization(Part):
 class Solver(Part):
     """How linear equations are solved."""
 
-    linear: Literal["auto", "direct", "two-level", "amg"] = "auto"
+    linear: Annotated[str, NameIn(SOLVERS, "auto")] = "auto"
     threads: Thousands = 0
 
 

@@ -107,13 +107,12 @@ def _specimen(case: Case) -> Iterable[Notice]:
     largest = case.specimen.largest
     if largest is None:
         return  # a mesh: whoever reads it knows
-    key = f"specimen.{'size' if case.specimen.shape == 'box' else case.specimen.shape}"
     where = told(largest, LENGTH)
     advice = 'see whether a unit is missing: numbers without one are in m; write such as "350 mm"'
     if largest > 100.0:
-        yield Notice(key, f"{where} is very large for a specimen, above 100 m", advice)
+        yield Notice(case.specimen.key, f"{where} is very large for a specimen, above 100 m", advice)
     elif largest < 1e-3:
-        yield Notice(key, f"{where} is very small for a specimen, below 1 mm", advice)
+        yield Notice(case.specimen.key, f"{where} is very small for a specimen, below 1 mm", advice)
 
 
 def _target(case: Case) -> Iterable[Notice]:

@@ -185,7 +185,7 @@ def _known_keys(model: type[BaseModel], location: Location, data: Mapping[str, A
         for item in models
         if len(models) == 1 or table.get("type") in get_args(item.model_fields["type"].annotation)
     ]
-    return [name for item in chosen or models for name in item.model_fields]
+    return [name for item in chosen or models for name in (*item.model_fields, *getattr(item, "tables", list)())]
 
 
 def _description(model: type[BaseModel], location: Location) -> str:
@@ -193,5 +193,7 @@ def _description(model: type[BaseModel], location: Location) -> str:
     *outer, name = location
     for item in _models(model, tuple(outer)):
         if isinstance(name, str) and name in item.model_fields:
-            return item.model_fields[name].description or ""
+            field = item.model_fields[name]
+            names = next((mark.names for mark in field.metadata if hasattr(mark, "names")), ())
+            return ", ".join(names) or field.description or ""
     return ""

@@ -12,7 +12,9 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
 from fissura.case.accepted import Schema, change_of
-from fissura.case.model import Case
+from fissura.case.model import Case, Gauge
+from fissura.case.own_table import WithOwnTable
+from fissura.case.shape import Specimen
 
 __all__ = ["case_schema"]
 
@@ -61,8 +63,21 @@ def case_schema() -> Schema:
     for key, value in material["properties"].items():
         if key not in ("law", "elastic"):
             region["properties"].setdefault(key, {k: v for k, v in value.items() if k != "default"})
+    for part in (Specimen, Gauge):
+        tables[part.__name__]["properties"] |= _own_tables(part, tables)
     definitions = {name: _tidied(table) for name, table in tables.items()}
     return {"$schema": _DRAFT, "title": "Fissura case", **_tidied(found), "definitions": definitions}
+
+
+def _own_tables(part: type[WithOwnTable], tables: Schema) -> Schema:
+    """Tables that packages and programs have added to a part, by name; definitions in them join the others."""
+    found: Schema = {}
+    for name in part.tables():
+        model = part.table(name)
+        assert model is not None
+        found[name] = model.model_json_schema(schema_generator=_Generator)
+        tables.update(found[name].pop("$defs", {}))
+    return found
 
 
 def _tidied(node: Any) -> Any:

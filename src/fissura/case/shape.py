@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from fissura.case.accepted import NUMBER_WITH_UNIT, Schema, accepting
 from fissura.case.lengths import UNIT, NewSurface, Pair, in_unit
+from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
 from fissura.case.region import require_volume
+from fissura.case.registry import SHAPES, NameIn
 from fissura.case.types import Axis, File, Length, Point, PositiveLength, Size, StepLength, as_tuple, fail, listed
 from fissura.case.units import show
 
@@ -72,6 +74,12 @@ def _corners(value: Any) -> Any:
 Outline = Annotated[tuple[Corner, ...], BeforeValidator(_corners)]
 
 
+_BOX = 'three lengths [length x, depth y, thickness z], each such as "50 mm"'
+
+#: Shapes of Fissura, and keys that have another name than their shape.
+_SHAPES, _KEYS = ("box", "outline", "cylinder", "mesh"), {"box": "size"}
+
+
 class Cylinder(Part):
     """Cylinder whose axis goes through the origin, from there along its axis."""
 
@@ -80,14 +88,14 @@ class Cylinder(Part):
     axis: Axis = "z"
 
 
-class Specimen(Part):
-    """Body of material: a box that occupies ``[0, size]``, an extruded outline, a cylinder, or a mesh."""
+class Specimen(WithOwnTable):
+    """Body of material: a box in ``[0, size]``, an extruded outline, a cylinder, a mesh, or a shape by its name."""
 
-    shape: str = Field(default="", description="the name of a shape")
+    registry: ClassVar = SHAPES
+
+    shape: Annotated[str, NameIn(SHAPES, "")] = Field(default="", description="the name of a shape")
     unit: None = Field(default=None, exclude=True, description=UNIT)
-    size: Size | None = Field(
-        default=None, description='three lengths [length x, depth y, thickness z], each such as "50 mm"'
-    )
+    size: Size | None = Field(default=None, description=_BOX)
     outline: Outline | None = Field(default=None, description="a list of corners [x, y]")
     names: tuple[NewSurface, ...] | None = Field(default=None, description="a list of names, one for each side")
     thickness: PositiveLength | None = Field(default=None, description='a length such as "100 mm"')
@@ -102,22 +110,35 @@ class Specimen(Part):
             data = {**data, "scale": 1.0}
         return in_unit(data, "size", "outline", "thickness", "cylinder", "scale")
 
+    @classmethod
+    def named_in(cls, data: Mapping[str, Any]) -> str | None:
+        """Name of a shape that has a table of its own."""
+        name = super().named_in(data) or data.get("shape")
+        if isinstance(name, str) and name in data and data.get("unit") is not None:
+            fail(f"does not reach into the table {name}", 'a unit for each length there, such as "5 mm"', "unit")
+        return None if name in _SHAPES else name
+
+    @property
+    def key(self) -> str:
+        """The key that gives its dimensions."""
+        return f"specimen.{_KEYS.get(self.shape, self.shape)}"
+
     @model_validator(mode="after")
-    def _one_shape(self) -> Self:
+    def _one_shape(self, info: ValidationInfo) -> Self:
         kinds = {"box": self.size, "outline": self.outline, "cylinder": self.cylinder, "mesh": self.mesh}
         given = [kind for kind, value in kinds.items() if value is not None]
-        keys = {"box": "size"}
-        description = 'three lengths [length x, depth y, thickness z], each such as "50 mm"'
+        given += [] if self.own_name is None else [self.own_name]
+        elsewhere = not (info.context or {}).get("files_exist", True) and self.shape not in (*kinds, "")
+        if not given and elsewhere:
+            return self  # a case that was run where the shape is known, and is only looked at here
         if not given:
-            fail("missing", f"{description}; or instead of it outline and thickness, cylinder, or mesh", "size")
+            fail("missing", f"{_BOX}; or instead of it outline and thickness, cylinder, or mesh", "size")
         if len(given) > 1:
-            first, second = (keys.get(kind, kind) for kind in given[:2])
+            first, second = (_KEYS.get(kind, kind) for kind in given[:2])
             fail(f"is given together with {first}", "one of size, outline, cylinder, mesh", second)
         kind = given[0]
         if self.shape and self.shape != kind:
-            if self.shape not in kinds:
-                fail(f"{show(self.shape)} is not known", ", ".join(sorted(kinds)), "shape")
-            fail(f"{show(self.shape)} goes with {keys.get(self.shape, self.shape)}", f'"{kind}", or nothing', "shape")
+            fail(f"{show(self.shape)} goes with {_KEYS.get(self.shape, self.shape)}", f'"{kind}", or nothing', "shape")
         self.__dict__["shape"] = kind
         for key in ("names", "thickness"):
             if getattr(self, key) is not None and kind != "outline":

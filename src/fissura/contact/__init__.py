@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING
 
-from fissura.case.laws import law_named
 from fissura.case.plausible import suspect
+from fissura.case.registry import LAWS
 from fissura.contact.closing import ClosingCusatisCedolin
 from fissura.contact.kinematics import (
     Kinematics,
@@ -55,7 +55,7 @@ def law_from_case(case: Case) -> type[ContactLaw]:
     InputError
         Unknown law, or one of another package that cannot be used.
     """
-    return law_named(case.material.law)
+    return LAWS.named(case.material.law)
 
 
 def limits_from_case(case: Case) -> dict[str, float]:

@@ -8,14 +8,15 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.case.registry import SOLVERS
 from fissura.contact import Kinematics
 from fissura.linear.assembly import Pattern, assemble_secant
-from fissura.linear.direct import best_solver
+from fissura.linear.direct import MklPardiso, SuperLU, best_solver
 from fissura.linear.protocol import LinearSolver, SingularMatrixError
 from fissura.linear.two_level import TwoLevel
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
-__all__ = ["LINEAR_SOLVERS", "SymmetricSolver"]
+__all__ = ["SymmetricSolver", "aggregation", "direct"]
 
 FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
@@ -28,22 +29,18 @@ _LARGE = 500
 _TOLERANCE = 1e-8
 
 
-def _aggregation(
+def direct(
     form: Pattern, x: FloatArray, tolerance: float, threads: KernelThreads = SINGLE_THREAD
-) -> LinearSolver:
-    """Made here, so that only runs that name it load PyAMG."""
+) -> MklPardiso | SuperLU:
+    """The fastest direct solver that is installed; it is exact, whatever the tolerance."""
+    return best_solver()(form)
+
+
+def aggregation(form: Pattern, x: FloatArray, tolerance: float, threads: KernelThreads = SINGLE_THREAD) -> LinearSolver:
+    """Smoothed aggregation, for comparison; made here, so that only runs that name it load PyAMG."""
     from fissura.linear.amg import SmoothedAggregation
 
     return SmoothedAggregation(form, x, tolerance)
-
-
-#: Solvers by name, made from a pattern, nuclei (n, 3), and a relative error in the energy norm, which `direct` does not
-#: need, and if wanted threads, which only `two-level` uses. `amg` is there for comparison.
-LINEAR_SOLVERS: dict[str, Callable[..., LinearSolver]] = {
-    "direct": lambda form, x, tolerance, threads=SINGLE_THREAD: best_solver()(form),
-    "two-level": lambda form, x, tolerance, threads=SINGLE_THREAD: TwoLevel(form, x, tolerance, threads=threads),
-    "amg": _aggregation,
-}
 
 
 class SymmetricSolver:
@@ -74,7 +71,7 @@ class SymmetricSolver:
         if linear == "auto":
             linear = "two-level" if len(x) >= _LARGE else "direct"
         self._form, self._x, self._threads = form, x, threads
-        self._chosen = LINEAR_SOLVERS[linear](form, x, _TOLERANCE, threads)
+        self._chosen: LinearSolver = SOLVERS.named(linear)(form, x, _TOLERANCE, threads=threads)
         self._direct: LinearSolver | None = self._chosen if linear == "direct" else None
         self._current: LinearSolver = self._chosen
         self._entries: Callable[[], FloatArray]
@@ -148,7 +145,7 @@ class SymmetricSolver:
             return
         _log.debug("direct solver takes over: %s", why)
         if self._direct is None:
-            self._direct = LINEAR_SOLVERS["direct"](self._form, self._x, _TOLERANCE, self._threads)
+            self._direct = direct(self._form, self._x, _TOLERANCE, self._threads)
         self._current = self._direct
         self._direct.factor(self._entries(), symmetric=True)
 

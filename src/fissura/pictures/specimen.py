@@ -35,7 +35,7 @@ NOTCH = "#f2c14e"
 """Colour of walls of notches."""
 
 MARKERS = {"pin": "^", "roller": "o", "clamp": "s", "guide": "D"}
-"""Signs of the kinds of supports."""
+"""Signs of the kinds of supports; those of other packages are hexagons."""
 
 BEHIND, BEFORE = 0.5, 1.5
 """Heights of platens on the far and on the near side of the specimen, which is at 1."""
@@ -195,8 +195,9 @@ def _conditions(axes: Axes, signs: Signs, look: FloatArray, size: float) -> list
     """Draw supports, loads and gauges; return entries of the legend."""
     entries = []
     for support in signs.supports:
-        _points(axes, support.spots, look, MARKERS[support.kind], SUPPORT)
-        sign = Line2D([], [], marker=MARKERS[support.kind], ls="", ms=7, color=SUPPORT)
+        marker = MARKERS.get(support.kind, "h")
+        _points(axes, support.spots, look, marker, SUPPORT)
+        sign = Line2D([], [], marker=marker, ls="", ms=7, color=SUPPORT)
         entries.append((sign, support.label))
     for load in signs.loads:
         begin, end = load.arrows(1e-3 * size)
@@ -206,9 +207,9 @@ def _conditions(axes: Axes, signs: Signs, look: FloatArray, size: float) -> list
             _points(axes, load.spots, look, "x", load.colour)
         entries.append((_arrow_sign(load.colour), load.label))
     for gauge in signs.gauges:
-        for spots in (gauge.a, gauge.b):
+        for spots in gauge.places:
             _points(axes, spots, look, "o", gauge.colour, size=3.0)
-        line = 1e3 * np.array([gauge.a.middle, gauge.b.middle]) @ look[:2].T
+        line = 1e3 * gauge.line @ look[:2].T
         axes.add_collection(LineCollection([line], colors=gauge.colour, linewidths=1.2, zorder=16))
         entries.append((Line2D([], [], marker="o", ms=4, lw=1.2, color=gauge.colour), gauge.label))
     return entries

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.specimen import Domain, Place, load_direction, place_from_part
+from fissura.specimen import Domain, Place, gauge_from_part, load_direction, place_from_part
 from fissura.specimen.planes import unit
 from fissura.tessellation.structure import LEDGE
 
@@ -100,12 +100,16 @@ class LoadSign:
 
 @dataclass(frozen=True, eq=False)
 class GaugeSign:
-    """A gauge: its name for a legend, its colour, and its places a and b."""
+    """A gauge: its name for a legend, its colour, and its places."""
 
     label: str
     colour: str
-    a: Spots
-    b: Spots
+    places: tuple[Spots, ...]
+
+    @property
+    def line(self) -> FloatArray:
+        """From the middle of one place to that of the next, shape (p, 3) [m]."""
+        return np.array([spots.middle for spots in self.places])
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,10 +178,11 @@ def signs_of(case: Case, domain: Domain) -> Signs:
         along = load_direction(load.part, place, load.key)
         loads.append(LoadSign(label, LOADS[k % len(LOADS)], spots(place, load.part.platen), along))
     for k, gauge in enumerate(case.named_gauges):
-        ends = [place_from_part(getattr(gauge.part, end), domain, l_f, f"{gauge.key}.{end}") for end in ("a", "b")]
+        places = gauge_from_part(gauge.part, domain, l_f, gauge.key)[1]
         label = "gauge" if len(case.named_gauges) == 1 else f"gauge {gauge.name}"
-        a, b = (spots(place, None) for place in ends)
-        gauges.append(GaugeSign(f"{label}, from a to b", GAUGES[k % len(GAUGES)], a, b))
+        what = "from a to b" if gauge.part.own_name is None else gauge.part.own_name
+        found = tuple(spots(place, None) for place in places)
+        gauges.append(GaugeSign(f"{label}, {what}", GAUGES[k % len(GAUGES)], found))
     weight = None if case.gravity is None else np.asarray(case.gravity.direction, float)
     return Signs(tuple(supports), tuple(loads), tuple(gauges), tuple(plates), weight)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -115,7 +116,7 @@ def _supports(view: Any, signs: Signs, size: float) -> None:
         "guide": pv.PlatonicSolid("octahedron", radius=0.5, center=(0.5, 0, 0)),
     }
     for support in signs.supports:
-        view.add_mesh(_at(support.spots, shapes[support.kind], size), color=SUPPORT)
+        view.add_mesh(_at(support.spots, shapes.get(support.kind, shapes["clamp"]), size), color=SUPPORT)
 
 
 def _loads(view: Any, signs: Signs, length: float) -> None:
@@ -130,9 +131,10 @@ def _loads(view: Any, signs: Signs, length: float) -> None:
 def _gauges(view: Any, signs: Signs, radius: float) -> None:
     pv = pyvista()
     for gauge in signs.gauges:
-        ends = [_at(spots, pv.Sphere(radius=1.0), radius) for spots in (gauge.a, gauge.b)]
-        line = pv.Line(pointa=MM * gauge.a.middle, pointb=MM * gauge.b.middle).tube(radius=0.6 * radius)
-        view.add_mesh(pv.merge([*ends, line]), color=gauge.colour)
+        parts = [_at(spots, pv.Sphere(radius=1.0), radius) for spots in gauge.places]
+        for a, b in pairwise(MM * gauge.line):
+            parts.append(pv.Line(pointa=a, pointb=b).tube(radius=0.6 * radius))
+        view.add_mesh(pv.merge(parts), color=gauge.colour)
 
 
 def _at(spots: Spots, shape: Any, size: float) -> Any:

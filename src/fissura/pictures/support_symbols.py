@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
-from fissura.specimen import Place, domain_from_case, load_direction, place_from_part
+from fissura.specimen import Place, domain_from_case, gauge_from_part, load_direction, place_from_part
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,9 +70,7 @@ def symbols(case: Case) -> list[Symbol]:
         place = place_from_part(load.part, domain, l_f, load.key)
         found += _load(place, load_direction(load.part, place, load.key)[:2], size, max(length, depth))
     for gauge in case.named_gauges:
-        for name in ("a", "b"):
-            place = place_from_part(getattr(gauge.part, name), domain, l_f, f"{gauge.key}.{name}")
-            found.append(_gauge(place, size))
+        found += [_gauge(place, size) for place in gauge_from_part(gauge.part, domain, l_f, gauge.key)[1]]
     return found
 
 

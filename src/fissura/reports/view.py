@@ -107,7 +107,7 @@ def _signs(k3d: Any, case: Case, domain: Domain) -> list[Any]:
 
     found = [dots(support.spots.points, SUPPORT, 0.022) for support in signs.supports]
     for gauge in signs.gauges:
-        found += [dots(spots.points, gauge.colour, 0.014) for spots in (gauge.a, gauge.b)]
+        found += [dots(spots.points, gauge.colour, 0.014) for spots in gauge.places]
     found += [arrows(*load.arrows(0.12 * size / MM), load.colour) for load in signs.loads]
     if signs.weight is not None:
         low, high = domain.bounds

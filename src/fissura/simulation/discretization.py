@@ -14,11 +14,11 @@ from fissura.adaptivity import (
     Layout,
     RefinedRegion,
     calibrated,
-    criterion_named,
     gauge_compliance,
     needed_bodies,
     region_from_case,
 )
+from fissura.case.registry import CRITERIA
 from fissura.equilibrium import Response, System, check_places
 from fissura.errors import InputError
 from fissura.machine.kernel_threads import KernelThreads
@@ -85,7 +85,7 @@ class Discretization:
 
     def __init__(self, case: Case, *, full: bool) -> None:
         self._case, self._full = case, full
-        self._criterion = criterion_named(case.adaptivity.criterion)
+        self._criterion = CRITERIA.named(case.adaptivity.criterion)
         found = described(case)
         self._law, self._material, self._elastic = found.law, found.materials, found.elastic
         self.domain, self._conditions, self.notices = found.domain, found.conditions, found.notices
@@ -196,6 +196,11 @@ class Discretization:
             What the criterion looks at.
         criterion : (n,) array
             Its value, 1 at strength; nan for fine bodies.
+
+        Raises
+        ------
+        InputError
+            The criterion does not give one value for each body.
         """
         system, tessellation = self.system, self.system.tessellation
         state = ElasticState(
@@ -205,7 +210,11 @@ class Discretization:
             system.elastic_utilisation(response),
             self._elastic.contains(tessellation.x),
         )
-        return state, np.where(tessellation.fine, np.nan, self._criterion(state))
+        value = np.asarray(self._criterion(state), float)
+        if value.shape != (len(tessellation),):
+            problem = f"it gives an array of shape {value.shape} for {len(tessellation)} bodies"
+            raise InputError("adaptivity.criterion", problem, "a criterion that gives one value for each body")
+        return state, np.where(tessellation.fine, np.nan, value)
 
     def refine(self, centers: FloatArray) -> System:
         """Refine around critical centres, shape (k, 3), and return the new equations.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from fissura.case.registry import SHAPES
 from fissura.errors import InputError, Notice
 from fissura.specimen.convex import Degenerate
 from fissura.specimen.cutting import cut_notches
@@ -28,41 +28,44 @@ if TYPE_CHECKING:
     from fissura.case import Notch as NotchPart
     from fissura.case.shape import Specimen, Void
 
-__all__ = ["SHAPES", "domain_from_case"]
+__all__ = ["box_of", "cylinder_of", "domain_from_case", "mesh_of", "outline_of"]
 
 _FARTHEST = 1e4
 
-_Built = tuple[Solid, tuple[Notice, ...]]
 
-
-def _box(part: Specimen, l_f: float) -> _Built:
+def box_of(part: Specimen, l_f: float) -> Solid:
+    """The box of a case."""
     assert part.size is not None
-    return box(part.size), ()
+    return box(part.size)
 
 
-def _outline(part: Specimen, l_f: float) -> _Built:
+def outline_of(part: Specimen, l_f: float) -> Solid:
+    """The extruded outline of a case."""
     assert part.outline is not None
     assert part.thickness is not None
-    return extruded(part.outline, part.thickness, part.names, l_f), ()
+    return extruded(part.outline, part.thickness, part.names, l_f)
 
 
-def _cylinder(part: Specimen, l_f: float) -> _Built:
+def cylinder_of(part: Specimen, l_f: float) -> Solid:
+    """The cylinder of a case."""
     assert part.cylinder is not None
-    return cylinder(part.cylinder.diameter, part.cylinder.length, AXES[part.cylinder.axis], l_f), ()
+    return cylinder(part.cylinder.diameter, part.cylinder.length, AXES[part.cylinder.axis], l_f)
 
 
-def _mesh(part: Specimen, l_f: float) -> _Built:
+def mesh_of(part: Specimen, l_f: float) -> tuple[Solid, tuple[Notice, ...]]:
+    """The mesh of a case, and what looks wrong in it."""
     assert part.mesh is not None
     return mesh(part.mesh, part.scale, l_f)
 
 
-#: Shapes by name: functions of the table [specimen] and the spacing of fine nuclei.
-SHAPES: dict[str, Callable[[Specimen, float], _Built]] = {
-    "box": _box,
-    "outline": _outline,
-    "cylinder": _cylinder,
-    "mesh": _mesh,
-}
+def _shape(part: Specimen, l_f: float) -> tuple[Solid, tuple[Notice, ...]]:
+    """The shape of a case, and what looks wrong in it."""
+    made = SHAPES.named(part.shape)(part.parameters or part, l_f)
+    solid, notices = made if isinstance(made, tuple) else (made, ())
+    if not isinstance(solid, Solid) or not solid.cells:
+        what = "an empty Solid" if isinstance(solid, Solid) else type(solid).__name__
+        raise InputError(part.key, f"the shape {part.shape!r} gives {what}", "a Solid with a cell or more")
+    return solid, notices
 
 
 def domain_from_case(case: Case) -> Domain:
@@ -80,7 +83,7 @@ def domain_from_case(case: Case) -> Domain:
 @lru_cache(maxsize=4)
 def _domain(part: Specimen, minus: tuple[Void, ...], notch: tuple[NotchPart, ...], l_f: float) -> Domain:
     """The same again for all that asks for the specimen of a case."""
-    stage = [f"specimen.{'size' if part.shape == 'box' else part.shape}"]
+    stage = [part.key]
     try:
         return _built(part, minus, notch, l_f, stage)
     except Degenerate:
@@ -92,7 +95,7 @@ def _built(
     part: Specimen, minus: tuple[Void, ...], notch: tuple[NotchPart, ...], l_f: float, stage: list[str]
 ) -> Domain:
     """The specimen; `stage` is told the key that is being built, and begins with that of the shape."""
-    solid, notices = SHAPES[part.shape](part, l_f)
+    solid, notices = _shape(part, l_f)
     _check_size(solid, l_f, stage[0])
     many = len(minus) > 1
     for k, void in enumerate(minus):

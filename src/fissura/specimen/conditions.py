@@ -1,8 +1,4 @@
-"""Supports, loads and gauges as weighted sums of point displacements (theory section 6).
-
-They belong to the specimen, never to bodies: a :class:`Functional` knows points and coefficients only, and is
-attached to whichever bodies own its points in a discretization.
-"""
+"""Supports, loads and gauges of a case, placed on its specimen."""
 
 from __future__ import annotations
 
@@ -13,22 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.case.programme import GRAVITY
+from fissura.case.registry import SUPPORTS
 from fissura.errors import InputError
+from fissura.specimen.functional import Functional, mean_displacement, mean_rotation
+from fissura.specimen.gauge_kinds import gauge_from_part
 from fissura.specimen.place import Place, place_from_part
-from fissura.specimen.surface import ON_SURFACE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
-    from fissura.case import Case, Gauge, Load, LoadingStage
+    from fissura.case import Case, Load, LoadingStage
     from fissura.case.platen import Platen as PlatenPart
     from fissura.specimen.domain import Domain, SurfacePart
 
 __all__ = [
-    "SUPPORTS",
     "Conditions",
     "Drive",
-    "Functional",
     "Held",
     "Platen",
     "Weight",
@@ -38,42 +34,6 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Functional:
-    """A weighted sum of point displacements, ``sum_k coefficients[k] . u(points[k])``.
-
-    As a load it is the work-conjugate set of point forces.
-
-    Attributes
-    ----------
-    points : (k, 3) array
-        Points on the surface [m].
-    coefficients : (k, 3) array
-        Weights of the displacement components.
-    cells : (k,) array
-        The convex cell of the specimen behind each point.
-    platen : int or None
-        The platen to which the points belong; None for points of the specimen.
-    """
-
-    points: FloatArray
-    coefficients: FloatArray
-    cells: IntArray
-    platen: int | None = None
-
-    @property
-    def middle(self) -> FloatArray:
-        """Mean of the points, weighted by the sizes of their coefficients, shape (3,) [m]."""
-        return np.average(self.points, axis=0, weights=np.linalg.norm(self.coefficients, axis=1))
-
-    def __sub__(self, other: Functional) -> Functional:
-        return Functional(
-            np.concatenate([self.points, other.points]),
-            np.concatenate([self.coefficients, -other.coefficients]),
-            np.concatenate([self.cells, other.cells]),
-        )
 
 
 @dataclass(frozen=True)
@@ -217,71 +177,6 @@ class Conditions:
         return self.loads[driven[0]].middle if driven else self.held[0].middle
 
 
-def _mean(place: Place, direction: FloatArray) -> Functional:
-    """Mean displacement of a place along a direction."""
-    return Functional(place.points, place.weights[:, None] * direction, place.cells)
-
-
-def _rotation(place: Place, unit: FloatArray) -> Functional | None:
-    """Mean rotation of a place about a line through its centroid, times its radius of gyration [m].
-
-    None when the place has no extent beside that line.
-    """
-    arm = place.points - place.centroid
-    lever = np.cross(unit, arm)
-    inertia = float(place.weights @ np.einsum("ka,ka->k", lever, lever))
-    if inertia <= 1e-18:
-        return None
-    return Functional(place.points, place.weights[:, None] * lever / np.sqrt(inertia), place.cells)
-
-
-def _normal(place: Place, key: str) -> FloatArray:
-    """Unit vector normal to a place, its largest component positive: supports hold both ways."""
-    outward = place.outward
-    if outward is None:
-        problem = "the place faces all ways: its surface has no direction that could be held"
-        raise InputError(key, problem, "a part of the surface, or a clamp")
-    return outward if outward[np.argmax(np.abs(outward))] > 0.0 else -outward + 0.0
-
-
-def _pin(place: Place, key: str) -> list[Functional | None]:
-    """Hinge: no translation, no rotation but the one about the line across which the place is given.
-
-    The shape of the place has no say in it: platens of any width, on specimens of any thickness, turn alike.
-    """
-    normal, hinge = _normal(place, key), place.hinge
-    if hinge is None:
-        problem = "the place has no line about which it could turn: it faces where it is given along"
-        raise InputError(key, problem, "along another axis, or a clamp")
-    along = np.cross(hinge, normal)
-    along = along if along @ place.along > 0.0 else -along
-    return [_mean(place, unit) for unit in np.eye(3)] + [_rotation(place, unit) for unit in (along, normal)]
-
-
-def _roller(place: Place, key: str) -> list[Functional | None]:
-    """No translation along the mean normal."""
-    return [_mean(place, _normal(place, key))]
-
-
-def _clamp(place: Place, key: str) -> list[Functional | None]:
-    """Neither translation nor rotation."""
-    return [_mean(place, unit) for unit in np.eye(3)] + [_rotation(place, unit) for unit in np.eye(3)]
-
-
-def _guide(place: Place, key: str) -> list[Functional | None]:
-    """No rotation, as in a frame that slides but does not turn."""
-    return [_rotation(place, unit) for unit in np.eye(3)]
-
-
-#: Kinds of support by name.
-SUPPORTS: dict[str, Callable[[Place, str], list[Functional | None]]] = {
-    "pin": _pin,
-    "roller": _roller,
-    "clamp": _clamp,
-    "guide": _guide,
-}
-
-
 def _check_stability(supports: list[Functional], centre: FloatArray, size: float) -> None:
     """The supports, and what guides platens, must stop all six rigid motions."""
     rows = np.array(
@@ -318,9 +213,7 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
     platens: list[Platen] = []
     for k, part in enumerate(case.supports):
         key = f"supports[{k}]"
-        kind = SUPPORTS.get(part.type)
-        if kind is None:
-            raise InputError(f"{key}.type", f"{part.type!r} is not known", ", ".join(SUPPORTS))
+        kind = SUPPORTS.named(part.type, f"{key}.type")
         place = place_from_part(part, domain, l_f, key)
         rows = [row for row in kind(place, f"{key}.{part.naming}") if row is not None]
         supports += _on_platen(rows, place, part.platen, platens, f"{key}.platen")
@@ -330,7 +223,7 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
         place = place_from_part(load.part, domain, l_f, load.key)
         outward, direction = place.outward, load_direction(load.part, place, load.key)
         platen = load.part.platen
-        loads += _on_platen([_mean(place, direction)], place, platen, platens, f"{load.key}.platen")
+        loads += _on_platen([mean_displacement(place, direction)], place, platen, platens, f"{load.key}.platen")
         pulls.append(outward is not None and float(direction @ outward) > 0.0)
         if platen is not None and platen.guided:
             guides = _guides(place, direction, platen.turning, f"{load.key}.platen.turning")
@@ -352,7 +245,7 @@ def conditions_from_case(case: Case, domain: Domain) -> Conditions:
         tuple(loads),
         tuple(case.load_names),
         tuple(keys),
-        tuple(_gauge(gauge.part, domain, l_f, gauge.key) for gauge in gauges),
+        tuple(gauge_from_part(gauge.part, domain, l_f, gauge.key)[0] for gauge in gauges),
         gauge_names,
         tuple(gauge.key for gauge in gauges),
         drives,
@@ -383,7 +276,7 @@ def _guides(place: Place, direction: FloatArray, turning: str, key: str) -> list
         if place.hinge is None:
             raise InputError(key, "the place has no line about which the platen could turn", '"free" or "held"')
         axes = list(np.linalg.svd(place.hinge[None, :])[2][1:])
-    rows = [_mean(place, unit) for unit in across] + [_rotation(place, unit) for unit in axes]
+    rows = [mean_displacement(place, unit) for unit in across] + [mean_rotation(place, unit) for unit in axes]
     return [row for row in rows if row is not None]
 
 
@@ -410,21 +303,3 @@ def load_direction(part: Load, place: Place, key: str = "load") -> FloatArray:
         return -place.outward
     problem = "missing, and the place of the load faces all ways"
     raise InputError(f"{key}.direction", problem, "three numbers, the direction in which it pushes")
-
-
-def _gauge(part: Gauge, domain: Domain, l_f: float, key: str) -> Functional:
-    """Mean displacement of the place b minus that of a, along the gauge's direction."""
-    a = place_from_part(part.a, domain, l_f, f"{key}.a")
-    b = place_from_part(part.b, domain, l_f, f"{key}.b")
-    near = 1e-3 * ON_SURFACE * domain.complex.extent
-    if a.points.shape == b.points.shape and np.allclose(a.points, b.points, rtol=0.0, atol=near):
-        raise InputError(f"{key}.b", f"is the same place as {key}.a", "another place")
-    if part.direction is None:
-        along = b.centroid - a.centroid
-        if np.linalg.norm(along) <= near:
-            problem = f"lies at the same place as {key}.a"
-            raise InputError(f"{key}.b", problem, f"another place, or a {key}.direction")
-    else:
-        along = np.asarray(part.direction, float)
-    along = along / np.linalg.norm(along)
-    return _mean(b, along) - _mean(a, along)

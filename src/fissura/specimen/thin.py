@@ -120,7 +120,7 @@ def _keys_of_surfaces(case: Case, domain: Domain) -> dict[str, str]:
     """Key of the case for what voids leave, by its name; that of the shape under the empty name."""
     many = len(case.minus) > 1
     out = {void.name: f"minus[{k}]" if many else "minus" for k, void in enumerate(case.minus)}
-    return out | {"": "specimen.size" if case.specimen.shape == "box" else f"specimen.{case.specimen.shape}"}
+    return out | {"": case.specimen.key}
 
 
 def _inner_points(polygon: FloatArray) -> FloatArray:
