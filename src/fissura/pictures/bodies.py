@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fissura.results.history import Frame
-    from fissura.results.result import Result
+    from fissura.results.run_data import RunData
 
 __all__ = ["bodies_axes"]
 
@@ -25,7 +25,7 @@ WIDE, TALL = 9.0, 6.0
 """Width and most height of a new figure [inch]."""
 
 
-def bodies_axes(result: Result, step: int | None, ax: Axes | None, *, stress: bool, magnify: float | None) -> Axes:
+def bodies_axes(result: RunData, step: int | None, ax: Axes | None, *, stress: bool, magnify: float | None) -> Axes:
     """Draw a step; see `Result.plot_bodies`."""
     frame = _frame(result, step)
     look = look_of(result.case, [frame], stress=stress, magnify=magnify)
@@ -40,7 +40,7 @@ def bodies_axes(result: Result, step: int | None, ax: Axes | None, *, stress: bo
     return ax
 
 
-def _frame(result: Result, step: int | None) -> Frame:
+def _frame(result: RunData, step: int | None) -> Frame:
     frames = {frame.number: frame for frame in result.frames}
     if not frames:
         raise InputError(str(result.folder or result.case.name), "has no sections of steps")

@@ -21,6 +21,7 @@ from fissura.pictures.panels import bar_beside, kinds_above
 from fissura.pictures.plotting import new_axes
 from fissura.results.load_path import NAMES
 from fissura.results.result import Result
+from fissura.results.run_data import RunData
 from fissura.text import quantities as text
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def plot_crack(result: Result, path: Path) -> None:
     save(figure, path, DPI)
 
 
-def crack_axes(result: Result, ax: Axes | None) -> Axes:
+def crack_axes(result: RunData, ax: Axes | None) -> Axes:
     """Draw the whole specimen as `plot_crack` does into axes; see `Result.plot_crack`."""
     view = _view(result.last)
     whole = _whole(view)
@@ -214,7 +215,7 @@ def _panels(figure: Figure, whole: FloatArray, zoom: FloatArray, beside: bool) -
     return first, second
 
 
-def _titles(axes: Axes, result: Result, raised: float) -> None:
+def _titles(axes: Axes, result: RunData, raised: float) -> None:
     step = int(result.curve["step"][-1])
     value, load = text.length(float(result.controlled[-1])), text.force(float(result.load_values[-1]))
     bodies = text.count(float(result.curve["bodies"][-1]))

@@ -14,17 +14,17 @@ from fissura.results.vtu import Grid
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from fissura.results.result import Result
+    from fissura.results.run_data import RunData
 
 __all__ = ["meshes_of", "step_of", "steps_with_states"]
 
 
-def steps_with_states(result: Result) -> list[int]:
+def steps_with_states(result: RunData) -> list[int]:
     """Numbers of the steps whose states there are, in memory or as files for ParaView; ascending."""
     return sorted({*result.snapshots, *_written(result.folder)})
 
 
-def step_of(result: Result, step: int | None) -> int:
+def step_of(result: RunData, step: int | None) -> int:
     """Number of a step whose state there is, the last one for None; an `InputError` where there is none."""
     known = steps_with_states(result)
     if not known:
@@ -36,7 +36,7 @@ def step_of(result: Result, step: int | None) -> int:
     return step
 
 
-def meshes_of(result: Result, step: int | None = None) -> Any:
+def meshes_of(result: RunData, step: int | None = None) -> Any:
     """Bodies and cracks of a step; see `Result.to_pyvista`."""
     pv, number = pyvista(), step_of(result, step)
     snapshot = result.snapshots.get(number)

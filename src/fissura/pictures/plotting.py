@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fissura.case import Case
-    from fissura.results.result import Result
+    from fissura.results.run_data import RunData
 
 __all__ = [
     "column_title",
@@ -31,7 +31,7 @@ __all__ = [
 FloatArray = NDArray[np.float64]
 
 
-def plot_columns(result: Result, x: str | None, y: str, ax: Axes | None, line: dict[str, Any]) -> Axes:
+def plot_columns(result: RunData, x: str | None, y: str, ax: Axes | None, line: dict[str, Any]) -> Axes:
     """Draw a column over another; see `Result.plot`."""
     columns = [
         COLUMN_OF[result.case.quantity] if x is None else column_named(result.curve, x, "x"),

@@ -18,7 +18,7 @@ from fissura.pictures.specimen import Sight
 from fissura.text import quantities as text
 
 if TYPE_CHECKING:
-    from fissura.results.result import Result
+    from fissura.results.run_data import RunData
 
 __all__ = ["result_view", "skin_of"]
 
@@ -27,7 +27,7 @@ SEE_THROUGH = 0.3
 
 
 def result_view(
-    result: Result, step: int | None = None, *, magnify: float | None = None, off_screen: bool | None = None
+    result: RunData, step: int | None = None, *, magnify: float | None = None, off_screen: bool | None = None
 ) -> Any:
     """Show a step: what bodies have of the surface, transparent, and the cracks inside, coloured by their opening.
 
@@ -98,7 +98,7 @@ def _centroids(faces: Any) -> NDArray[np.float64]:
     return np.asarray(points[start] + moment / np.maximum(np.add.reduceat(area, start), 1e-300))
 
 
-def _title(result: Result, number: int, magnify: float) -> str:
+def _title(result: RunData, number: int, magnify: float) -> str:
     at = np.flatnonzero(result.curve["step"] == number)
     load = f", load {text.force(float(result.load_values[at[0]]))}" if len(at) else ""
     return literal(f"{result.case.name}: step {number}{load}, displacements x {magnify:g}")

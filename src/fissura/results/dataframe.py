@@ -4,27 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
 
-if TYPE_CHECKING:
-    from fissura.results.curve import Curve
-
-__all__ = ["dataframe_of", "frame"]
-
-
-def dataframe_of(curve: Curve) -> Any:
-    """The columns of a curve as a ``pandas.DataFrame``, steps as its index.
-
-    Raises
-    ------
-    InputError
-        Pandas is not installed.
-    """
-    return frame(curve, "step")
+__all__ = ["frame"]
 
 
 def frame(columns: Mapping[str, NDArray[Any]], index: str) -> Any:

@@ -14,7 +14,7 @@ from fissura.errors import InputError
 from fissura.text.units import split_unit
 
 if TYPE_CHECKING:
-    from fissura.results.result import Result
+    from fissura.results.run_data import RunData
     from fissura.simulation.step import Snapshot
 
 __all__ = ["Fields", "dataset_of"]
@@ -29,7 +29,7 @@ Variables = dict[str, tuple[tuple[str, ...], str, NDArray[Any]]]
 """Name of a variable -> its dimensions after the step, its unit, its values at one step."""
 
 
-def dataset_of(result: Result, what: Fields) -> Any:
+def dataset_of(result: RunData, what: Fields) -> Any:
     """Make a dataset; see `Result.to_xarray`."""
     try:
         xarray = import_module("xarray")
@@ -47,7 +47,7 @@ def dataset_of(result: Result, what: Fields) -> Any:
     return xarray.Dataset(variables, {"step": list(result.snapshots), **coordinates}, about)
 
 
-def _columns(result: Result) -> dict[str, Any]:
+def _columns(result: RunData) -> dict[str, Any]:
     found = {}
     stems = Counter(split_unit(column)[0] for column in result.curve)
     for column, values in result.curve.items():
