@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fissura.api.stages import stages_in_words
-from fissura.case import Case, Gravity, case_of
+from fissura.api.stages import stages_in_words, study_in_words
+from fissura.case import Case, case_of
 from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.errors import InputError, Notice
 from fissura.machine.memory import gigabytes, physical_memory
 from fissura.simulation.memory import estimate_bodies, estimate_memory, require_memory
+from fissura.text.quantities import force
 from fissura.text.rows import aligned
 
 if TYPE_CHECKING:
@@ -91,11 +92,11 @@ class CheckReport:
     longest_contact: float
     stages: tuple[tuple[str, str], ...]
     weight: float | None = None
-    warnings: tuple[Notice, ...] = field(default=())
+    warnings: tuple[Notice, ...] = ()
     contact: tuple[float, float] = (math.nan, math.nan)
     macro: tuple[float, float] | None = None
     nuclei_given: int = 0
-    field_rows: tuple[tuple[str, str], ...] = field(default=())
+    field_rows: tuple[tuple[str, str], ...] = ()
     study: str = ""
 
     @property
@@ -110,19 +111,14 @@ class CheckReport:
                 ("bodies at start", "not counted: fissura check --build counts them, after compiling"),
                 ("bodies at full resolution", f"about {self.bodies_full}"),
             ]
+        nuclei = ("nuclei from the file", f"{self.nuclei_given}, and {self.bodies_full - self.nuclei_given} added")
         return [
             ("bodies at start", f"{self.bodies_start}"),
             ("bodies at full resolution", f"{self.bodies_full}"),
-            *self._nuclei,
+            *([nuclei] if self.nuclei_given else []),
             ("contacts at start", f"{self.contacts}, {self.fine_contacts} with damage"),
             ("memory at start", f"about {gigabytes(self.memory_start)}, grows with refinement"),
         ]
-
-    @property
-    def _nuclei(self) -> list[tuple[str, str]]:
-        if not self.nuclei_given:
-            return []
-        return [("nuclei from the file", f"{self.nuclei_given}, and {self.bodies_full - self.nuclei_given} added")]
 
     @property
     def _stages(self) -> list[tuple[str, str]]:
@@ -146,18 +142,13 @@ class CheckReport:
         >>> fissura.check(case).table()[0]
         ('case', 'beam')
         """
-        from fissura.text.quantities import force  # its package brings NumPy
-
         return [
             ("case", self.name),
             ("law, criterion", f"{self.law}, {self.criterion}"),
             ("elastic, contacts", f"E {self.contact[0] / 1e9:.4g} GPa, alpha {self.contact[1]:.4g}"),
             ("elastic, bulk", f"E {self.macro[0] / 1e9:.4g} GPa, nu {self.macro[1]:.3f}" if self.macro else "-"),
             *self._bodies,
-            (
-                "memory with --full",
-                f"about {gigabytes(self.memory_full)} of {gigabytes(self.memory_machine)}",
-            ),
+            ("memory with --full", f"about {gigabytes(self.memory_full)} of {gigabytes(self.memory_machine)}"),
             ("longest fine contact", f"{self.longest_contact * 1e3:.4g} mm"),
             *((f"limit {name}", f"{limit * 1e3:.4g} mm") for name, limit in self.limits.items()),
             *self.field_rows,
@@ -212,7 +203,12 @@ def check(case: Case | Mapping[str, Any] | str | Path, *, build: bool | None = T
         read_measured(case.output.measured)
     if build is None:
         build = seconds_to_compile() < _QUICK
-    return _built(case) if build else _estimated(case)
+    if build:
+        return _built(case)
+    from fissura.simulation.described import described
+
+    found = described(case)
+    return _described(case, found.domain, found.notices, round(estimate_bodies(case)), 0.0)
 
 
 def _built(case: Case) -> CheckReport:
@@ -233,14 +229,6 @@ def _built(case: Case) -> CheckReport:
     )
 
 
-def _estimated(case: Case) -> CheckReport:
-    """The same without bodies."""
-    from fissura.simulation.described import described
-
-    found = described(case)
-    return _described(case, found.domain, found.notices, round(estimate_bodies(case)), 0.0)
-
-
 def _described(
     case: Case, domain: Domain, notices: tuple[Notice, ...], bodies_full: int, longest: float
 ) -> CheckReport:
@@ -252,23 +240,13 @@ def _described(
     # that nucleus may lie across it, and the nearest one on the point's own side as far again.
     bound = (4.0 if case.notch else 2.0) * case.discretization.l_f if case.discretization.nuclei is None else 0.0
     longest, memory_full = max(bound, float(longest)), estimate_memory(bodies_full)
-    warnings = list(notices)
+    warnings, gravity = list(notices), case.gravity
     if longest >= min(limits.values(), default=math.inf):
-        warnings.append(
-            Notice(
-                "discretization.l_f",
-                "a fine contact may be longer than the law allows: the run would stop there",
-                "a smaller l_f, or a larger material.G_t",
-            )
-        )
+        problem = "a fine contact may be longer than the law allows: the run would stop there"
+        warnings.append(Notice("discretization.l_f", problem, "a smaller l_f, or a larger material.G_t"))
     if memory_full > machine:
-        warnings.append(
-            Notice(
-                "discretization.l_f",
-                "full resolution does not fit into the memory of this machine",
-                "run adaptively, without --full",
-            )
-        )
+        problem = "full resolution does not fit into the memory of this machine"
+        warnings.append(Notice("discretization.l_f", problem, "run adaptively, without --full"))
     return CheckReport(
         name=case.name,
         law=case.material.law,
@@ -281,26 +259,13 @@ def _described(
         memory_machine=machine,
         limits=limits,
         longest_contact=longest,
-        weight=None if case.gravity is None else _weight(case.gravity, domain.volume),
+        weight=None if gravity is None else gravity.density * gravity.acceleration * domain.volume,
         stages=stages_in_words(case, case.material.G_t * domain.smallest_section),
         warnings=tuple(warnings),
         contact=(case.material.E, case.material.alpha),
         macro=_macro(case),
-        study=_study(case),
+        study=study_in_words(case),
     )
-
-
-def _study(case: Case) -> str:
-    """What the table ``[ensemble]`` asks for, in words; every point of its study is validated."""
-    if case.ensemble is None:
-        return ""
-    from fissura.case.points import points_of
-
-    part = case.ensemble
-    runs = len(part.seeds) or part.runs or 1
-    points = len(points_of(case, part.vary, part.combine))
-    keys = f" of {', '.join(part.vary)}" if part.vary else ""
-    return f"{runs} realisation{'s' if runs > 1 else ''} at {points} point{'s' if points > 1 else ''}{keys}"
 
 
 def _field_rows(case: Case, field: RandomField | None) -> tuple[tuple[str, str], ...]:
@@ -310,19 +275,12 @@ def _field_rows(case: Case, field: RandomField | None) -> tuple[tuple[str, str],
         return ()
     found = field.accuracy
     length = " x ".join(f"{1e3 * value:.4g}" for value in part.length)
+    apart = f"{found.nodes} nodes {1e3 * min(found.spacing):.3g} mm apart"
     return (
         ("random field", f"{part.correlation}, {length} mm; {part.marginal}, CoV {part.cov:g}; seed {field.seed}"),
-        (
-            "expansion",
-            f"{found.method}: {found.modes} modes, {found.nodes} nodes {1e3 * min(found.spacing):.3g} mm apart",
-        ),
+        ("expansion", f"{found.method}: {found.modes} modes, {apart}"),
         ("variance error", f"{found.mean:.2%} on average, {found.largest:.2%} at most; corrected at every point"),
     )
-
-
-def _weight(gravity: Gravity, volume: float) -> float:
-    """Weight of a volume [N]."""
-    return gravity.density * gravity.acceleration * volume
 
 
 def _macro(case: Case) -> tuple[float, float] | None:

@@ -1,4 +1,4 @@
-"""The stages of a case in words, for `fissura check`."""
+"""The stages of a case, and its ensemble, in words, for `fissura check`."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import math
 
 from fissura.case import Case, LoadingStage
 from fissura.case.programme import GRAVITY
+from fissura.text.quantities import energy as joules
+from fissura.text.quantities import force
 
-__all__ = ["stages_in_words"]
+__all__ = ["stages_in_words", "study_in_words"]
 
 #: Targets of a stage that are told one by one, at most.
 _TOLD = 6
@@ -67,9 +69,6 @@ def _stage(stage: LoadingStage, begin: float | None, energy: float) -> tuple[str
 
     With the value where it begins [m or N], if that is known, and the energy that breaks the specimen, roughly [J].
     """
-    from fissura.text.quantities import energy as joules  # its package brings NumPy
-    from fissura.text.quantities import force
-
     quantity = {"gauge": "gauge", "displacement": "displacement of the load", "force": "load"}[stage.quantity]
     if stage.gauge not in (None, "gauge") and stage.quantity == "gauge":
         quantity = f"gauge {stage.gauge}"
@@ -94,3 +93,16 @@ def _stage(stage: LoadingStage, begin: float | None, energy: float) -> tuple[str
     fewest = _fewest(stage, begin)
     steps = f"{fewest} or more, {largest}" if fewest > 1 else largest
     return f"{quantity}, to {told}{load and ' or until' + load.removeprefix(' or')}", steps
+
+
+def study_in_words(case: Case) -> str:
+    """What the table ``[ensemble]`` asks for, in words; every point of its study is validated."""
+    if case.ensemble is None:
+        return ""
+    from fissura.case.points import points_of
+
+    part = case.ensemble
+    runs = len(part.seeds) or part.runs or 1
+    points = len(points_of(case, part.vary, part.combine))
+    keys = f" of {', '.join(part.vary)}" if part.vary else ""
+    return f"{runs} realisation{'s' if runs > 1 else ''} at {points} point{'s' if points > 1 else ''}{keys}"

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from fissura.cli.console import errors, print_table, say, warnings
-from fissura.cli.options import FullOption, OverwriteOption, QuietOption
+from fissura.cli.options import FullOption, OverwriteOption, QuietOption, ResumeOption, SchedulerOption, WorkersOption
 from fissura.cli.resuming import Resumable
 from fissura.machine.interrupts import interruptible
 
@@ -56,14 +56,10 @@ def calibrate(
         str | None,
         typer.Option(metavar="NAMES", help="Columns that are meant, if there are more.", show_default=False),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one per processor")
-    ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this Dask scheduler instead.")
-    ] = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
     full: FullOption = False,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with what is in the folder.")] = False,
+    resume: ResumeOption = False,
     overwrite: OverwriteOption = False,
     output: Annotated[
         Path | None, typer.Option(help="Folder for the results.", show_default="results/NAME_calibration")

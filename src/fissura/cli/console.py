@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -128,7 +128,7 @@ class Warnings(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Show what was logged, unless it is a note."""
-        if not getattr(record, "note", False):
+        if not _is_note(record):
             self.show(record.getMessage())
 
     def show(self, message: str) -> None:
@@ -139,21 +139,26 @@ class Warnings(logging.Handler):
 
 
 class _Told(logging.Handler):
-    """Shows what modules log below warnings: what a run does, in detail."""
+    """Shows some of what modules log, as it is: what a run does in detail, or what takes the user's time."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, wanted: Callable[[logging.LogRecord], bool]) -> None:
         super().__init__(logging.INFO)
         self._console = console
+        self.addFilter(wanted)
 
     def emit(self, record: logging.LogRecord) -> None:
-        if record.levelno < logging.WARNING:
-            self._console.print(record.getMessage(), markup=False, highlight=False, soft_wrap=True)
+        self._console.print(record.getMessage(), markup=False, highlight=False, soft_wrap=True)
+
+
+def _is_note(record: logging.LogRecord) -> bool:
+    """Whether a record is no warning, but tells of what takes the user's time."""
+    return bool(getattr(record, "note", False))
 
 
 @contextmanager
 def verbosely(console: Console, *, wanted: bool) -> Iterator[None]:
     """Show what the package's loggers have to say below warnings, if that is wanted."""
-    logger, handler = logging.getLogger("fissura"), _Told(console)
+    logger, handler = logging.getLogger("fissura"), _Told(console, lambda record: record.levelno < logging.WARNING)
     level = logger.level
     if wanted:
         logger.addHandler(handler)
@@ -165,25 +170,13 @@ def verbosely(console: Console, *, wanted: bool) -> Iterator[None]:
         logger.setLevel(level)
 
 
-class _Notes(logging.Handler):
-    """Shows what is no warning, but takes the user's time."""
-
-    def __init__(self, console: Console) -> None:
-        super().__init__(logging.INFO)
-        self._console = console
-
-    def emit(self, record: logging.LogRecord) -> None:
-        if getattr(record, "note", False):
-            self._console.print(record.getMessage(), markup=False, highlight=False, soft_wrap=True)
-
-
 @contextmanager
 def warnings(console: Console, *, quiet: bool = False) -> Iterator[Warnings]:
     """Show warnings of the package's loggers on a console; unless quiet, that kernels are compiled, too."""
     if is_for_programs():
         console = Console(quiet=True)
     logger, handler = logging.getLogger("fissura"), Warnings(console)
-    kernels, notes = logging.getLogger("fissura.kernels"), _Notes(console)
+    kernels, notes = logging.getLogger("fissura.kernels"), _Told(console, _is_note)
     logger.addHandler(handler)
     if not quiet:
         kernels.addHandler(notes)

@@ -11,7 +11,15 @@ import typer
 from rich.console import Console
 
 from fissura.cli.console import STOPPED, errors, print_table, say, warnings
-from fissura.cli.options import CaseArgument, FullOption, OverwriteOption, QuietOption
+from fissura.cli.options import (
+    CaseArgument,
+    FullOption,
+    OverwriteOption,
+    QuietOption,
+    ResumeOption,
+    SchedulerOption,
+    WorkersOption,
+)
 from fissura.cli.resuming import Resumable
 from fissura.machine.interrupts import interruptible
 
@@ -72,18 +80,14 @@ def ensemble(
             help="Runs without a field: one, one for each realisation, or none.", show_default="one; none with --vary"
         ),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one per processor")
-    ] = None,
+    workers: WorkersOption = None,
     threads_per_worker: Annotated[int, typer.Option(min=1, help="Threads of each.")] = 1,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this Dask scheduler instead.")
-    ] = None,
+    scheduler: SchedulerOption = None,
     full: FullOption = False,
     keep: Annotated[
         bool, typer.Option("--keep", help="Keep all the files of every run, pictures and VTK, too.")
     ] = False,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with what is in the folder.")] = False,
+    resume: ResumeOption = False,
     overwrite: OverwriteOption = False,
     seed: Annotated[
         int | None, typer.Option(min=0, help="Seed of the ensemble.", show_default="that of the case")

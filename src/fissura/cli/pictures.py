@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -86,6 +87,17 @@ def _view(simulation: Simulation, output: Path | None, sight: Sight) -> None:
         shown(view, simulation.case.name, output)
 
 
+@contextmanager
+def _placed(picture: Path, asked: Path | None, option: str) -> Iterator[None]:
+    """Write a picture; where nobody asked for its place, which is a folder of results, it is listed there."""
+    from fissura.files.folder import claimed
+
+    with writing(picture):
+        if asked is None:
+            claimed(picture, option)
+        yield
+
+
 def compare(
     a: Annotated[Path, typer.Argument(metavar="A", help="Result folder.", show_default=False)],
     b: Annotated[Path, typer.Argument(metavar="B", help="Result folder: the reference.", show_default=False)],
@@ -97,7 +109,6 @@ def compare(
 ) -> None:
     """Compare two runs: a table of differences, and a picture of both curves."""
     with errors(json=json):
-        from fissura.files.folder import claimed
         from fissura.results.compare import compare as compare_folders
 
         with warnings(Console(stderr=True)):
@@ -106,18 +117,14 @@ def compare(
             print_table(comparison.table(), title=f"{a} against {b}")
         picture = plot if plot is not None else a / "compare.png"
         check_ending(picture, "--plot")
-        with writing(picture):
-            if plot is None:
-                claimed(picture, "--plot")
+        with _placed(picture, plot, "--plot"):
             comparison.save(picture)
         pictures = [picture]
         if bodies:
             from fissura.pictures.comparison_files import save_bodies
 
             beside = picture.with_name(f"{picture.stem}_bodies{picture.suffix}")
-            with writing(beside):
-                if plot is None:
-                    claimed(beside, "--plot")
+            with _placed(beside, plot, "--plot"):
                 save_bodies(comparison, beside)
             pictures.append(beside)
         if json:
@@ -134,14 +141,11 @@ def moments(
 ) -> None:
     """Draw bodies and crack at four moments of a run, and its curve."""
     with errors():
-        from fissura.files.folder import claimed
         from fissura.pictures.moments import plot_moments
 
         path = output if output is not None else folder / "moments.png"
         check_ending(path, "--output")
-        with writing(path):
-            if output is None:
-                claimed(path, "--output")
+        with _placed(path, output, "--output"):
             plot_moments(folder, path, stress=stress)
         typer.echo(f"picture: {path}")
 
@@ -158,12 +162,9 @@ def animate(
 ) -> None:
     """Animate a run: bodies grow finer, the crack opens, the curve grows."""
     with errors():
-        from fissura.files.folder import claimed
         from fissura.pictures.animation import animate as write_animation
 
         path = output if output is not None else folder / "refinement.gif"
-        with writing(path):
-            if output is None:
-                claimed(path, "--output")
+        with _placed(path, output, "--output"):
             count = write_animation(folder, path, fps=fps, width=size, stress=stress)
         typer.echo(f"animation: {path}, {count} frames")

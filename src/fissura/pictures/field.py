@@ -143,40 +143,8 @@ def draw_marginal(axes: Axes, marginal: Marginal, name: str, samples: FloatArray
     h = marginal.from_gaussian(z)
     axes.plot(np.log(h), _paper(marginal.log_cdf(h)), color=BLUE, linewidth=2.0, label=name, zorder=3)
     low, high = np.log(h[0]), np.log(h[-1])
-    point: Any = getattr(marginal, "point", None)
-    if point is not None:
-        grafted: Any = marginal
-        tail = np.array([low - 0.05, high])
-        axes.plot(
-            tail,
-            grafted.shape * (tail - np.log(grafted.scale)),
-            color=ORANGE,
-            linewidth=1.0,
-            linestyle=(0, (4, 2)),
-            label=f"Weibull tail, shape {grafted.shape:g}",
-            zorder=2,
-        )
-        core = np.linspace(max(grafted.mean - 6.0 * grafted.deviation, 0.02), np.exp(high), 300)
-        axes.plot(
-            np.log(core),
-            _paper(log_ndtr((core - grafted.mean) / grafted.deviation)),
-            color=GREY,
-            linewidth=1.6,
-            linestyle=(0, (4, 2)),
-            label="its Gaussian core",
-            zorder=1,
-        )
-        axes.plot(np.log(point), _paper(np.log([grafted.probability])), "o", color=ORANGE, markersize=5, zorder=4)
-        axes.annotate(
-            "graft",
-            (np.log(point), float(_paper(np.log([grafted.probability]))[0])),
-            xytext=(-8, 0),
-            textcoords="offset points",
-            ha="right",
-            va="center",
-            fontsize=9,
-            color=INK,
-        )
+    if getattr(marginal, "point", None) is not None:
+        _draw_graft(axes, marginal, low, high)
     if samples is not None:
         rank = (np.arange(len(samples)) + 0.5) / len(samples)
         kept = np.unique(np.round(np.geomspace(1, len(samples), 120)).astype(int)) - 1
@@ -205,3 +173,38 @@ def _paper(log_cdf: Any) -> FloatArray:
     """Ordinate of Weibull paper, ``log(-log(1 - F))``, from the logarithm of F."""
     out: FloatArray = np.log(-np.log1p(-np.exp(np.minimum(log_cdf, -1e-16))))
     return out
+
+
+def _draw_graft(axes: Axes, grafted: Any, low: float, high: float) -> None:
+    """Draw both parts of a grafted distribution beyond its graft, between logarithms of values."""
+    tail = np.array([low - 0.05, high])
+    axes.plot(
+        tail,
+        grafted.shape * (tail - np.log(grafted.scale)),
+        color=ORANGE,
+        linewidth=1.0,
+        linestyle=(0, (4, 2)),
+        label=f"Weibull tail, shape {grafted.shape:g}",
+        zorder=2,
+    )
+    core = np.linspace(max(grafted.mean - 6.0 * grafted.deviation, 0.02), np.exp(high), 300)
+    axes.plot(
+        np.log(core),
+        _paper(log_ndtr((core - grafted.mean) / grafted.deviation)),
+        color=GREY,
+        linewidth=1.6,
+        linestyle=(0, (4, 2)),
+        label="its Gaussian core",
+        zorder=1,
+    )
+    axes.plot(np.log(grafted.point), _paper(np.log([grafted.probability])), "o", color=ORANGE, markersize=5, zorder=4)
+    axes.annotate(
+        "graft",
+        (np.log(grafted.point), float(_paper(np.log([grafted.probability]))[0])),
+        xytext=(-8, 0),
+        textcoords="offset points",
+        ha="right",
+        va="center",
+        fontsize=9,
+        color=INK,
+    )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.results.comparable import common_quantity, comparison_notices
-from fissura.results.comparison import ENERGY, Comparison
+from fissura.results.comparison import ENERGY, Comparison, difference
 from fissura.results.load_path import LoadPath
 from fissura.results.peak import peak_position
 from fissura.results.result import Result
@@ -92,12 +92,12 @@ def compare_results(a: Result, b: Result) -> Comparison:
         at_max_difference=float(x[worst]),
         peaks=(peak_a, peak_b),
         gauges_at_peak=(at_a, at_b),
-        peak_difference=_difference(peak_a, peak_b),
-        gauge_at_peak_difference=_difference(at_a, at_b),
+        peak_difference=difference(peak_a, peak_b),
+        gauge_at_peak_difference=difference(at_a, at_b),
         energies=(float(ends[0]), float(ends[1])),
-        energy_difference=_difference(*ends),
+        energy_difference=difference(*ends),
         stiffness_difference=(
-            _difference(a.initial_stiffness, b.initial_stiffness) if a.case.quantity == b.case.quantity else math.nan
+            difference(a.initial_stiffness, b.initial_stiffness) if a.case.quantity == b.case.quantity else math.nan
         ),
         cpu_ratio=_fraction(b.curve["cpu_s"][-1], a.curve["cpu_s"][-1]),
         notices=comparison_notices(a.case, b.case, quantity),
@@ -131,10 +131,6 @@ def _peak(x: FloatArray, of: FloatArray, end: float) -> tuple[float, float]:
 
 def _key(result: Result) -> str:
     return str(result.folder or result.case.name)
-
-
-def _difference(a: float, b: float) -> float:
-    return _fraction(a - b, b)
 
 
 def _fraction(part: float, whole: float) -> float:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fissura.errors import Notice
     from fissura.results.result import Result
 
-__all__ = ["ENERGY", "Comparison"]
+__all__ = ["ENERGY", "Comparison", "difference"]
 
 FloatArray = NDArray[np.float64]
 
@@ -120,42 +120,27 @@ class Comparison:
         """
         show = text.energy if self.by_energy else text.length
         start, end = ("0" if x == 0.0 else show(float(x)) for x in self.abscissa[[0, -1]])
-        energy = f"{ENERGY} at the ends" if self.by_energy else ENERGY
         why = f"; the {NAMES[self.quantity]} turns back" if self.by_energy else ""
-        bodies = [text.count(float(r.curve["bodies"][-1])) for r in (self.a, self.b)]
-        cpu, wall = ([text.seconds(float(r.curve[name][-1])) for r in (self.a, self.b)] for name in ("cpu_s", "wall_s"))
-        slower = 0.0 < self.cpu_ratio < 1.0
-        faster = (
-            f"{text.ratio(1.0 / self.cpu_ratio if slower else self.cpu_ratio)} times {'slower' if slower else 'faster'}"
-        )
+        worst, slower = text.per_cent(self.max_load_difference), 0.0 < self.cpu_ratio < 1.0
+        times = text.ratio(1.0 / self.cpu_ratio if slower else self.cpu_ratio)
+        cpu = f"{_pair(text.seconds, *self._ends('cpu_s'))}: {times} times {'slower' if slower else 'faster'}"
+        stiffness = (self.a.initial_stiffness, self.b.initial_stiffness, self.stiffness_difference)
+        at_peak = _pair(text.length, *self.gauges_at_peak, self.gauge_at_peak_difference)
         return [
             (f"common {self.over} range", f"{start} to {end}{why}"),
-            (
-                "largest load difference",
-                f"{text.per_cent(self.max_load_difference)} of the peak, at {show(self.at_max_difference)}",
-            ),
+            ("largest load difference", f"{worst} of the peak, at {show(self.at_max_difference)}"),
             ("peak load", _pair(text.force, *self.peaks, self.peak_difference)),
-            (
-                f"{NAMES[self.quantity]} at peak",
-                _pair(text.length, *self.gauges_at_peak, self.gauge_at_peak_difference),
-            ),
-            (energy, text.per_cent(self.energy_difference, signed=True)),
-            (
-                "initial stiffness",
-                _pair(
-                    text.stiffness,
-                    self.a.initial_stiffness,
-                    self.b.initial_stiffness,
-                    self.stiffness_difference,
-                ),
-            ),
-            ("bodies at the end", f"{bodies[0]} against {bodies[1]}"),
-            (
-                "processor time",
-                f"{cpu[0]} against {cpu[1]}: {faster}",
-            ),
-            ("wall time", f"{wall[0]} against {wall[1]}"),
+            (f"{NAMES[self.quantity]} at peak", at_peak),
+            (f"{ENERGY} at the ends" if self.by_energy else ENERGY, text.per_cent(self.energy_difference, signed=True)),
+            ("initial stiffness", _pair(text.stiffness, *stiffness)),
+            ("bodies at the end", _pair(text.count, *self._ends("bodies"))),
+            ("processor time", cpu),
+            ("wall time", _pair(text.seconds, *self._ends("wall_s"))),
         ]
+
+    def _ends(self, column: str) -> tuple[float, float]:
+        """Last values of a column of the curves of A and B."""
+        return float(self.a.curve[column][-1]), float(self.b.curve[column][-1])
 
     def numbers(self) -> dict[str, tuple[float, float, float]]:
         """What the runs have to compare, as numbers in SI units.
@@ -175,16 +160,16 @@ class Comparison:
         loads = float(self.load_a[worst]), float(self.load_b[worst])
         share = math.copysign(self.max_load_difference, (loads[0] - loads[1]) * self.peaks[1])
         at_peak = "gauge_at_peak_m" if self.quantity == "gauge" else "load_displacement_at_peak_m"
-        runs = (self.a, self.b)
         stiffness = (self.a.initial_stiffness, self.b.initial_stiffness)
+        bodies, cpu = self._ends("bodies"), self._ends("cpu_s")
         return {
             "load_N": (*loads, share),
             "peak_load_N": (*self.peaks, self.peak_difference),
             at_peak: (*self.gauges_at_peak, self.gauge_at_peak_difference),
             "dissipated_energy_J": (*self.energies, self.energy_difference),
             "initial_stiffness_N_per_m": (*stiffness, self.stiffness_difference),
-            "bodies_end": _with_difference(*(float(run.curve["bodies"][-1]) for run in runs)),
-            "cpu_s": _with_difference(*(float(run.curve["cpu_s"][-1]) for run in runs)),
+            "bodies_end": (*bodies, difference(*bodies)),
+            "cpu_s": (*cpu, difference(*cpu)),
         }
 
     def to_dataframe(self) -> Any:
@@ -298,9 +283,11 @@ class Comparison:
         return "\n".join(aligned(self.table()))
 
 
-def _pair(show: text.Formatter, a: float, b: float, difference: float) -> str:
-    return f"{show(float(a))} against {show(float(b))} ({text.per_cent(difference, signed=True)})"
+def _pair(show: text.Formatter, a: float, b: float, share: float | None = None) -> str:
+    told = "" if share is None else f" ({text.per_cent(share, signed=True)})"
+    return f"{show(float(a))} against {show(float(b))}{told}"
 
 
-def _with_difference(a: float, b: float) -> tuple[float, float, float]:
-    return a, b, (a - b) / b if b else math.nan
+def difference(a: float, b: float) -> float:
+    """Difference of A from B over the value of B; nan where that is 0."""
+    return float((a - b) / b) if b else math.nan

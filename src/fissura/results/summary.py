@@ -77,11 +77,9 @@ def build_summary(
     case = simulation.case
     numbers = curve_numbers(curve)
     used = numbers["max_elastic_utilisation"]
-    bound = (
-        None
-        if simulation.full or used is None
-        else load_error_bound(used, case.adaptivity.r_f / case.discretization.l_f)
-    )
+    bound = None
+    if not simulation.full and used is not None:
+        bound = load_error_bound(used, case.adaptivity.r_f / case.discretization.l_f)
     summary = {
         "format_version": FORMAT_VERSION,
         "case": case.name,
@@ -106,26 +104,20 @@ def build_summary(
         "cpu_refining_s": simulation.cpu_refining,
         "wall_s": wall_s,
         "peak_memory_MB": memory / 1e6,
-        "warnings": [
-            str(notice)
-            for notice in (
-                *simulation.notices,
-                *(
-                    negative_before_peak(curve["load_N"], curve["gauge_m"])
-                    if numbers["steps"] and _pushes(case)
-                    else ()
-                ),
-                *torn_at_places(curve),
-                *refined_late(curve),
-                *_beyond(case.adaptivity.tolerance, bound),
-            )
-        ],
+        "warnings": [str(notice) for notice in (*simulation.notices, *_notices(case, curve, bound))],
         "versions": versions(),
         "commit": commit(),
         "machine": machine(),
         "date": now(),
     }
     return {key: _plain(value) for key, value in summary.items()}
+
+
+def _notices(case: Case, curve: Curve, bound: float | None) -> list[Notice]:
+    """What looks wrong in the curve of a run, whose load error has this bound."""
+    pushes = len(curve["step"]) and _pushes(case)
+    found = negative_before_peak(curve["load_N"], curve["gauge_m"]) if pushes else []
+    return [*found, *torn_at_places(curve), *refined_late(curve), *_beyond(case.adaptivity.tolerance, bound)]
 
 
 def _pushes(case: Case) -> bool:
@@ -180,9 +172,7 @@ def _field(simulation: Simulation) -> dict[str, Any] | None:
     found = dataclasses.asdict(field.accuracy)
     return {
         "seed": field.seed,
-        "method": found["method"],
-        "nodes": found["nodes"],
-        "modes": found["modes"],
+        **{name: found[name] for name in ("method", "nodes", "modes")},
         "spacing_m": list(found["spacing"]),
         "variance_error": found["mean"],
         "variance_error_max": found["largest"],
@@ -196,15 +186,13 @@ def refined_late(curve: Curve) -> list[Notice]:
     if not len(late):
         return []
     worst = late[np.argmax(used[late])]
-    many = f"{len(late)} of {len(used)} steps" if len(late) > 1 else f"1 of {len(used)} steps"
+    problem = (
+        f"elastic contacts reached {used[worst]:.2f} times their strength at step {curve['step'][worst]} "
+        f"(gauge {length(float(curve['gauge_m'][worst]))}): refinement came too late there; "
+        f"they exceeded it in {len(late)} of {len(used)} steps"
+    )
     return [
-        Notice(
-            "adaptivity.gamma",
-            f"elastic contacts reached {used[worst]:.2f} times their strength at step {curve['step'][worst]} "
-            f"(gauge {length(float(curve['gauge_m'][worst]))}): refinement came too late there; "
-            f"they exceeded it in {many}",
-            "a smaller adaptivity.gamma or a larger adaptivity.r_f refines earlier",
-        )
+        Notice("adaptivity.gamma", problem, "a smaller adaptivity.gamma or a larger adaptivity.r_f refines earlier")
     ]
 
 
@@ -212,13 +200,8 @@ def _beyond(tolerance: float | None, bound: float | None) -> list[Notice]:
     """What to say where the error may be larger than a case allows."""
     if tolerance is None or bound is None or bound <= tolerance:
         return []
-    return [
-        Notice(
-            "adaptivity.tolerance",
-            f"the estimated load error is {bound:.2%} of the peak, more than the tolerance of {tolerance:.2%}",
-            "a smaller tolerance refines earlier",
-        )
-    ]
+    problem = f"the estimated load error is {bound:.2%} of the peak, more than the tolerance of {tolerance:.2%}"
+    return [Notice("adaptivity.tolerance", problem, "a smaller tolerance refines earlier")]
 
 
 def peak_memory() -> float:
