@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 import pyvista
 
-from fissura.files.compression import SAMPLE, level
+from fissura.files.archive import SAMPLE, level
 from fissura.results.vtu import BLOCK, POLYGON, Grid, write_vtu
 
 

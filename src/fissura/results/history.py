@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,9 @@ __all__ = ["FILE", "Frame", "HistoryWriter", "read_history"]
 FILE = "section.npz"
 FORMAT = "fissura-section"
 FORMAT_VERSION = 1
+
+OF_STEPS = {"number": "number", "gauge": "gauge", "controlled": "value", "load": "load", "bodies": "bodies"}
+"""Arrays over steps in the file, and what of a frame they hold."""
 
 FloatArray32 = NDArray[np.float32]
 
@@ -121,11 +125,9 @@ class HistoryWriter:
                 "sections.sides": _joined([s.sides for s in new], np.empty((0, 2), np.int32)),
                 "sections.body_offsets": _offsets(s.nucleus for s in new),
                 "sections.line_offsets": _offsets(s.lines for s in new),
-                "steps.number": np.array([frame.number for frame in chosen]),
-                "steps.gauge": np.array([frame.gauge for frame in chosen]),
-                "steps.controlled": np.array([frame.value for frame in chosen]),
-                "steps.load": np.array([frame.load for frame in chosen]),
-                "steps.bodies": np.array([frame.bodies for frame in chosen]),
+                **{
+                    f"steps.{name}": np.array([getattr(frame, of) for frame in chosen]) for name, of in OF_STEPS.items()
+                },
                 "steps.section": np.array(which[first:]),
                 "steps.crack_offsets": _offsets(cracks),
                 "motion": np.concatenate([frame.motion for frame in chosen]),
@@ -231,23 +233,14 @@ def _frames(arrays: dict[str, NDArray[Any]], known: Sequence[Section] = ()) -> t
     controlled = arrays.get("steps.controlled", arrays["steps.gauge"])  # earlier files have only what was controlled
     cracks = arrays["steps.crack_offsets"]
     for k, which in enumerate(arrays["steps.section"]):
+        number, bodies = (int(arrays[f"steps.{name}"][k]) for name in ("number", "bodies"))
+        load, gauge = (float(arrays[f"steps.{name}"][k]) for name in ("load", "gauge"))
         section = sections[which]
         own, some = slice(body, body + len(section.nucleus)), slice(cracks[k], cracks[k + 1])
         opening = np.zeros(section.contacts, np.float32)
         opening[arrays["crack"][some]] = arrays["opening"][some]
-        frames.append(
-            Frame(
-                int(arrays["steps.number"][k]),
-                float(controlled[k]),
-                float(arrays["steps.load"][k]),
-                int(arrays["steps.bodies"][k]),
-                section,
-                arrays["motion"][own],
-                arrays["stress"][own],
-                opening,
-                float(arrays["steps.gauge"][k]),
-            )
-        )
+        fields = (arrays["motion"][own], arrays["stress"][own], opening)
+        frames.append(Frame(number, float(controlled[k]), load, bodies, section, *fields, gauge))
         body = own.stop
     return tuple(frames)
 
@@ -260,21 +253,9 @@ def _numbered(sections: Sequence[Section]) -> tuple[list[Section], list[int]]:
 
 
 def _sections_of(arrays: dict[str, NDArray[Any]]) -> list[Section]:
-    return [
-        Section(
-            arrays["sections.nucleus"][b0:b1],
-            arrays["sections.fine"][b0:b1],
-            arrays["sections.lines"][l0:l1],
-            arrays["sections.sides"][l0:l1],
-        )
-        for b0, b1, l0, l1 in zip(
-            arrays["sections.body_offsets"][:-1],
-            arrays["sections.body_offsets"][1:],
-            arrays["sections.line_offsets"][:-1],
-            arrays["sections.line_offsets"][1:],
-            strict=True,
-        )
-    ]
+    body, line = (pairwise(arrays[f"sections.{name}_offsets"].tolist()) for name in ("body", "line"))
+    nucleus, fine, lines, sides = (arrays[f"sections.{name}"] for name in ("nucleus", "fine", "lines", "sides"))
+    return [Section(nucleus[a:b], fine[a:b], lines[c:d], sides[c:d]) for (a, b), (c, d) in zip(body, line, strict=True)]
 
 
 def _joined(parts: list[NDArray[Any]], nothing: NDArray[Any]) -> NDArray[Any]:

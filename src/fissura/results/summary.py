@@ -37,6 +37,8 @@ __all__ = [
 #: Largest summary that is read.
 _MOST_BYTES = 50_000_000
 
+_SUMS = ("refinements", "coarsenings", "iterations", "linear_iterations", "factorizations")
+
 FORMAT_VERSION = 1
 """Version of the layout of a result folder."""
 
@@ -148,11 +150,7 @@ def curve_numbers(curve: Curve) -> dict[str, Any]:
         "bodies_end": _last(curve, "bodies"),
         "steps": steps,
         "steps_led_by_energy": (curve["control"] == "dissipation").sum(),
-        "refinements": curve["refinements"].sum(),
-        "coarsenings": curve["coarsenings"].sum(),
-        "iterations": iterations,
-        "linear_iterations": curve["linear_iterations"].sum(),
-        "factorizations": curve["factorizations"].sum(),
+        **{name: curve[name].sum() for name in _SUMS},
         "iterations_per_step": iterations / steps if steps else None,
     }
     return {key: _plain(value) for key, value in numbers.items()}

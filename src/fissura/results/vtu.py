@@ -13,8 +13,8 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.files.archive import level
 from fissura.files.atomic import replacing
-from fissura.files.compression import level
 
 __all__ = ["POLYGON", "POLYHEDRON", "Grid", "write_vtu"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -90,22 +90,11 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     """Write a checkpoint; what was there stays until it is whole."""
     numbers, words = _parted(checkpoint.curve)
     arrays: dict[str, NDArray[Any]] = {"curve": np.stack(list(numbers.values())), **words}
-    state = pack(checkpoint.state, "state", arrays)
     at_peak = checkpoint.peak is checkpoint.state
-    text = {
-        "case": checkpoint.case,
-        "full": checkpoint.full,
-        "versions": checkpoint.versions,
-        "state": state,
+    text = {field.name: getattr(checkpoint, field.name) for field in fields(checkpoint) if field.name != "curve"} | {
+        "state": pack(checkpoint.state, "state", arrays),
         "peak": None if at_peak else pack(checkpoint.peak, "peak", arrays),
         "columns": [(name, values.dtype.kind) for name, values in numbers.items()],
-        "written": checkpoint.written,
-        "owed": checkpoint.owed,
-        "share": checkpoint.share,
-        "sections": checkpoint.sections,
-        "cpu_s": checkpoint.cpu_s,
-        "wall_s": checkpoint.wall_s,
-        "memory": checkpoint.memory,
     }
     arrays["text"] = np.frombuffer(json.dumps(text).encode(), dtype=np.uint8)
     # Hardly anything in it shrinks.
