@@ -15,7 +15,7 @@ from fissura.errors import InputError, Notice
 from fissura.machine.memory import gigabytes, physical_memory
 from fissura.simulation.memory import estimate_bodies, estimate_memory, require_memory
 from fissura.text.quantities import force
-from fissura.text.rows import aligned
+from fissura.text.rows import Described, aligned
 
 if TYPE_CHECKING:
     from fissura.material.field import RandomField
@@ -28,7 +28,7 @@ _QUICK = 3.0
 
 
 @dataclass(frozen=True, repr=False)
-class CheckReport:
+class CheckReport(Described):
     """What would be run.
 
     Attributes
@@ -129,19 +129,7 @@ class CheckReport:
             for name, text in zip(("control", "steps"), stage, strict=True)
         ]
 
-    def table(self) -> list[tuple[str, str]]:
-        """Rows of name and value that describe what would be run.
-
-        Returns
-        -------
-        list of (str, str)
-            As ``fissura check`` prints them.
-
-        Examples
-        --------
-        >>> fissura.check(case).table()[0]
-        ('case', 'beam')
-        """
+    def _rows(self) -> list[tuple[str, str]]:
         return [
             ("case", self.name),
             ("law, criterion", f"{self.law}, {self.criterion}"),

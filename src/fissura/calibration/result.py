@@ -13,7 +13,7 @@ from fissura.errors import InputError
 from fissura.files.folder import copied
 from fissura.files.tables import read_json
 from fissura.text.quantities import per_cent
-from fissura.text.rows import aligned
+from fissura.text.rows import Described
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -112,7 +112,7 @@ class Fit:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Calibration:
+class Calibration(Described):
     """Result of a calibration.
 
     Attributes
@@ -254,19 +254,7 @@ class Calibration:
         target = copied(self.folder, folder, "calibration", overwrite=overwrite)
         return Calibration.load(target)
 
-    def table(self) -> list[tuple[str, str]]:
-        """Rows of name and value that describe the calibration.
-
-        Returns
-        -------
-        list of (str, str)
-            Rows, as the command prints them.
-
-        Examples
-        --------
-        >>> found.table()[1][0]
-        'material.f_t'
-        """
+    def _rows(self) -> list[tuple[str, str]]:
         rows = [("calibration", self.name)]
         for key, found in self.estimates.items():
             text = found.text
@@ -361,9 +349,6 @@ class Calibration:
 
         picture = attempted("the curves", lambda: embedded(plot_calibration(self), f"curves of {self.name}"))
         return notebook_html([*self.table(), ("results", str(self.folder))], self.warnings, picture)
-
-    def __repr__(self) -> str:
-        return "\n".join(aligned(self.table()))
 
 
 def _plain(value: Any) -> Any:

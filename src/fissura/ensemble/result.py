@@ -23,7 +23,7 @@ from fissura.results.curve import COLUMN_OF, read_curve
 from fissura.results.load_path import LoadPath
 from fissura.results.result import Result
 from fissura.results.summary import read_summary
-from fissura.text.rows import aligned
+from fissura.text.rows import Described
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +34,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class EnsembleResult:
+class EnsembleResult(Described):
     """Results of an ensemble, or of a parameter study: an ensemble at each of several points.
 
     Attributes
@@ -297,19 +297,7 @@ class EnsembleResult:
             return self.statistics.as_dict()
         return {"groups": [{"values": group.values, **group.statistics.as_dict()} for group in self.groups]}
 
-    def table(self) -> list[tuple[str, str]]:
-        """Rows of name and value that describe the ensemble.
-
-        Returns
-        -------
-        list of (str, str)
-            As ``fissura ensemble`` prints them.
-
-        Examples
-        --------
-        >>> len(study.table()) > 3
-        True
-        """
+    def _rows(self) -> list[tuple[str, str]]:
         return rows_of(self)
 
     def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None, **line: Any) -> Axes:
@@ -415,9 +403,6 @@ class EnsembleResult:
             if np.any(curve[COLUMN_OF[self.plan.case.quantity]] > 0):
                 found[number] = LoadPath.of(curve, str(self.place(number, kind)), self.plan.case.quantity)
         return found
-
-    def __repr__(self) -> str:
-        return "\n".join(aligned(self.table()))
 
 
 def _there(data: dict[str, Any]) -> str | None:

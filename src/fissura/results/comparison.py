@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fissura.results.load_path import NAMES
 from fissura.text import quantities as text
-from fissura.text.rows import aligned
+from fissura.text.rows import Described
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +29,7 @@ ENERGY = "dissipated energy"
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Comparison:
+class Comparison(Described):
     """Run A (by convention the adaptive one) against run B (the reference).
 
     Differences are fractions of the value of B, positive where A is larger; nan where B's value is zero or
@@ -105,19 +105,7 @@ class Comparison:
         """Whether loads are compared over dissipated energy."""
         return self.over == ENERGY
 
-    def table(self) -> list[tuple[str, str]]:
-        """Rows of name and value that describe the differences.
-
-        Returns
-        -------
-        list of (str, str)
-            As ``fissura compare`` prints them.
-
-        Examples
-        --------
-        >>> both.table()[1][0]
-        'largest load difference'
-        """
+    def _rows(self) -> list[tuple[str, str]]:
         show = text.energy if self.by_energy else text.length
         start, end = ("0" if x == 0.0 else show(float(x)) for x in self.abscissa[[0, -1]])
         why = f"; the {NAMES[self.quantity]} turns back" if self.by_energy else ""
@@ -278,9 +266,6 @@ class Comparison:
         from fissura.pictures.html import comparison_html
 
         return comparison_html(self)
-
-    def __repr__(self) -> str:
-        return "\n".join(aligned(self.table()))
 
 
 def _pair(show: text.Formatter, a: float, b: float, share: float | None = None) -> str:

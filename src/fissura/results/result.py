@@ -10,7 +10,6 @@ from fissura.results.curve import COLUMNS, read_curve
 from fissura.results.state import read_states
 from fissura.results.summary import curve_numbers, read_summary, result_folder
 from fissura.results.views import Views
-from fissura.text.rows import aligned
 
 __all__ = ["Result"]
 
@@ -160,6 +159,3 @@ class Result(Views):
         from fissura.pictures.html import result_html
 
         return result_html(self)
-
-    def __repr__(self) -> str:
-        return "\n".join(aligned(self.table()))

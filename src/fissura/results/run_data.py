@@ -16,6 +16,7 @@ from fissura.results.curve import COLUMN_OF, Curve
 from fissura.results.names import load_name
 from fissura.results.peak import peak_position
 from fissura.text import quantities as text
+from fissura.text.rows import Described
 
 if TYPE_CHECKING:
     from fissura.case import Case, Quantity
@@ -26,7 +27,7 @@ __all__ = ["RunData"]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class RunData:
+class RunData(Described):
     """What there is of a run; its fields are those of `Result`."""
 
     case: Case
@@ -160,19 +161,7 @@ class RunData:
         value = self.summary.get(key)
         return math.nan if value is None else float(value)
 
-    def table(self) -> list[tuple[str, str]]:
-        """Rows of name and value that describe the run.
-
-        Returns
-        -------
-        list of (str, str)
-            As ``fissura run`` prints them.
-
-        Examples
-        --------
-        >>> dict(result.table())["status"]
-        'finished'
-        """
+    def _rows(self) -> list[tuple[str, str]]:
         s, number = self.summary, self.number
         kind = "full resolution" if self.full else f"adaptive ({s.get('criterion')})"
         led = f" ({s['steps_led_by_energy']} under dissipation control)" if s.get("steps_led_by_energy") else ""

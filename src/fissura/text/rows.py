@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-__all__ = ["aligned"]
+__all__ = ["Described", "aligned"]
 
 
 def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
@@ -17,3 +17,28 @@ def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
     """
     width = max(len(name) for name, _ in rows)
     return [f"{name:<{width}}  {value}" for name, value in rows]
+
+
+class Described:
+    """What is described by rows of name and value, and shows itself by them."""
+
+    def table(self) -> list[tuple[str, str]]:
+        """Rows of name and value that describe it.
+
+        Returns
+        -------
+        list of (str, str)
+            As the command prints them.
+
+        Examples
+        --------
+        >>> dict(result.table())["status"]
+        'finished'
+        """
+        return self._rows()
+
+    def _rows(self) -> list[tuple[str, str]]:
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return "\n".join(aligned(self.table()))
