@@ -70,8 +70,8 @@ def case(small_case, softening):
 
 
 def test_a_law_with_one_column_runs_refines_and_coarsens(case, monkeypatch):
-    monkeypatch.setattr("fissura.adaptivity.coarsening._FEWEST", 20)
-    monkeypatch.setattr("fissura.adaptivity.coarsening._SAVING", 0.05)
+    monkeypatch.setattr("fissura.adaptivity.limits.FEWEST", 20)
+    monkeypatch.setattr("fissura.adaptivity.limits.SAVING", 0.05)
     steps = list(Simulation(case).steps())
     load = np.array([s.load for s in steps])
     assert sum(s.refinements for s in steps) > 0

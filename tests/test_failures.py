@@ -123,8 +123,8 @@ EAGER = {**REFINING, "adaptivity": {"r_f": 0.012, "gamma": 0.15, "coarsen": True
 @pytest.fixture
 def giving_up(monkeypatch):
     """No fine body is needed any more, and every saving is worth a change."""
-    monkeypatch.setattr("fissura.adaptivity.coarsening._FEWEST", 1)
-    monkeypatch.setattr("fissura.adaptivity.coarsening._SAVING", 0.0)
+    monkeypatch.setattr("fissura.adaptivity.limits.FEWEST", 1)
+    monkeypatch.setattr("fissura.adaptivity.limits.SAVING", 0.0)
     monkeypatch.setattr(
         fissura.simulation.discretization,
         "needed_bodies",

@@ -13,6 +13,7 @@ import logging
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.adaptivity import limits
 from fissura.equilibrium import System
 
 __all__ = ["calibrated", "gauge_compliance"]
@@ -20,33 +21,19 @@ __all__ = ["calibrated", "gauge_compliance"]
 FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
-_LIMITS = (0.5, 2.0)
-_ACCURACY = 1e-4
-_SMALLEST_SHARE = 0.01  # of the compliance: below it the coarse part cannot matter
-
-#: Error of one elastic solution in the energy norm; that of its gauge was at most half of it in 18 beams and bars.
-_TOLERANCE = 1e-4
-
-#: The same where the load and a force at the gauge are solved for: the error of the gauge then goes with the square. It
-#: was at most 2e-5.
-_TOLERANCE_OF_TWO = 3e-3
-
-#: A change of the factor by less than this share needs no check: the slope leaves out 0.15 times its square at most.
-_SMALL = 0.03
-
 
 def gauge_compliance(system: System) -> float:
     """Controlled quantity per unit load of the undamaged structure [m/N]."""
     system.symmetric.factor_contacts(system.geometry, system.moduli)
-    return float(system.control @ system.symmetric.solve(system.load, _TOLERANCE))
+    return float(system.control @ system.symmetric.solve(system.load, limits.TOLERANCE))
 
 
 def _unit_solutions(system: System) -> FloatArray:
     """Undamaged displacements under the unit load, and under a unit force at the gauge, (6 n, 2)."""
     system.symmetric.factor_contacts(system.geometry, system.moduli)
     if np.array_equal(system.load, system.control):
-        return np.stack([system.symmetric.solve(system.load, _TOLERANCE_OF_TWO)] * 2, axis=1)
-    return system.symmetric.solve(np.stack([system.load, system.control], axis=1), _TOLERANCE_OF_TWO)
+        return np.stack([system.symmetric.solve(system.load, limits.TOLERANCE_OF_TWO)] * 2, axis=1)
+    return system.symmetric.solve(np.stack([system.load, system.control], axis=1), limits.TOLERANCE_OF_TWO)
 
 
 def _compliance(system: System, solutions: FloatArray) -> float:
@@ -90,20 +77,20 @@ def calibrated(system: System, target: float, start: float = 1.0) -> System:
         return system
     if start != 1.0 and len(system.coarse):
         system = system.scaled(start)
-    for attempt in range(4):
+    for attempt in range(limits.MOST_SOLUTIONS):
         if not len(system.coarse):
             break
         solutions = _unit_solutions(system)
         compliance = _compliance(system, solutions)
-        if abs(compliance / target - 1.0) < _ACCURACY:
+        if abs(compliance / target - 1.0) < limits.ACCURACY:
             break
         slope = elastic_share(system, solutions) * system.elastic_scale
-        if attempt == 0 and abs(slope) < _SMALLEST_SHARE * target:
+        if attempt == 0 and abs(slope) < limits.SMALLEST_SHARE * target:
             break
         inverse = 1.0 / system.elastic_scale + (target - compliance) / slope
-        scale = min(max(1.0 / inverse, _LIMITS[0]), _LIMITS[1]) if inverse > 0.0 else _LIMITS[1]
+        scale = min(max(1.0 / inverse, limits.SCALES[0]), limits.SCALES[1]) if inverse > 0.0 else limits.SCALES[1]
         before, system = system.elastic_scale, system.scaled(scale)
-        if abs(scale / before - 1.0) < _SMALL:
+        if abs(scale / before - 1.0) < limits.SMALL_CHANGE:
             break
     _log.info("stiffness of elastic contacts times %.4f", system.elastic_scale)
     return system

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.adaptivity import limits
 from fissura.adaptivity.region import RefinedRegion
 from fissura.contact import AppliedLaw
 from fissura.tessellation import Tessellation
@@ -22,18 +23,6 @@ __all__ = ["Coarsening", "needed_bodies"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
-
-#: Steps between two changes of the discretization: a region that has just grown is still needed.
-_PAUSE = 3
-
-#: Least share of the fine bodies, and least number of bodies, that coarsening must save: a re-tessellation costs about
-#: as much as two steps.
-_SAVING, _FEWEST = 0.25, 100
-
-
-#: A body has unloaded when the strain energy of its contacts is below this share of what it would be at the largest
-#: strain of each.
-_UNLOADED = 0.75
 
 
 def needed_bodies(
@@ -68,7 +57,7 @@ def needed_bodies(
     ends = contacts.bodies[active]
     weight = contacts.area[active] * contacts.length[active]
     of_bodies = [np.bincount(ends.ravel(), np.repeat(weight * value, 2), n) for value in law.loading(strain, history)]
-    needed = tessellation.fine & (of_bodies[0] >= _UNLOADED * of_bodies[1])
+    needed = tessellation.fine & (of_bodies[0] >= limits.UNLOADED * of_bodies[1])
     needed[ends[(law.damage(history) > 0.0) | (law.utilisation(strain) > threshold)]] = True
     return np.asarray(needed, dtype=np.bool_)
 
@@ -124,11 +113,11 @@ class Coarsening:
             Bodies that must stay fine.
         """
         fine = int(tessellation.fine.sum())
-        if self.rest < _PAUSE or fine <= _FEWEST:
+        if self.rest < limits.PAUSE or fine <= limits.FEWEST:
             return None
         smaller = region.coarsened(tessellation.x[needed], self.lasting)
         left = int((smaller.distance(self.x) <= 0.0).sum())
-        if fine - left < max(_SAVING * fine, _FEWEST):
+        if fine - left < max(limits.SAVING * fine, limits.FEWEST):
             return None
         return smaller
 

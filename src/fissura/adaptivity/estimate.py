@@ -7,17 +7,12 @@ nearer the coarse part is to the crack, the more its elastic field is off. Over 
 
 from __future__ import annotations
 
+from fissura.adaptivity import limits
+
 __all__ = ["load_error_bound"]
 
-#: Largest difference of the load from full resolution, over the peak load, per unit of the largest utilisation of
-#: elastic contacts, with the default radius: 90 % of the runs of the study stay below, more where cracks do not branch.
-_PER_UTILISATION = 0.0133
 
-#: The default radius over `l_f`, and the power with which the error falls with the radius.
-_RADIUS, _POWER = 6.0, 1.65
-
-
-def load_error_bound(utilisation: float, radius: float = _RADIUS) -> float:
+def load_error_bound(utilisation: float, radius: float = limits.RADIUS) -> float:
     """Bound of the error of the load that holds for 90 % of the runs of the study, over the peak load.
 
     Parameters
@@ -27,4 +22,4 @@ def load_error_bound(utilisation: float, radius: float = _RADIUS) -> float:
     radius : float, optional
         ``r_f`` over ``l_f``.
     """
-    return float(_PER_UTILISATION * utilisation * (_RADIUS / radius) ** _POWER)
+    return float(limits.PER_UTILISATION * utilisation * (limits.RADIUS / radius) ** limits.POWER)

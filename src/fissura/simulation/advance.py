@@ -14,6 +14,7 @@ from fissura.adaptivity import transfer_history
 from fissura.equilibrium import Equilibrium, System, settle
 from fissura.errors import InputError, Notice, RunStopped
 from fissura.linear import SingularMatrixError
+from fissura.simulation import limits
 from fissura.simulation.accepted import Found, accepted
 from fissura.simulation.guess import guessed
 from fissura.simulation.legs import entered
@@ -29,9 +30,6 @@ __all__ = ["advance"]
 
 BoolArray = NDArray[np.bool_]
 _log = logging.getLogger(__name__)
-
-#: Refinements of one step before the run is given up; each must add bodies, so this only stops a runaway.
-_MOST_REFINEMENTS = 60
 
 
 def advance(model: Model, state: State) -> tuple[State, Step]:
@@ -114,7 +112,7 @@ def _attempted(model: Model, state: State, follower: PathFollower, goal: Goal) -
             state.now.response.history,
             goal.constraint(system, state.now),
             guessed(system, state, goal),
-            0.05 * peak,
+            limits.LEAST_LOAD * peak,
             patience=goal.patience,
         )
         iterations = goal.patience * solver.max_iterations if found is None else found.iterations
@@ -133,7 +131,7 @@ def _attempted(model: Model, state: State, follower: PathFollower, goal: Goal) -
             return state, Found(found, elastic, criterion)
         refinements += 1
         state = _worked(state, refinements=1)
-        if refinements > _MOST_REFINEMENTS:
+        if refinements > limits.MOST_REFINEMENTS:
             raise RunStopped(f"{refinements - 1} refinements did not satisfy the criterion", *state.position())
         # Bodies that would be critical soon are taken along: re-tessellation costs more than a few bodies.
         soon = np.nan_to_num(criterion) > sensitivity.ahead * sensitivity.gamma

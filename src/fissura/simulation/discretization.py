@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,16 +33,9 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.specimen import Drive
 
-__all__ = ["Discretization", "Driven"]
+__all__ = ["Discretization"]
 
 FloatArray = NDArray[np.float64]
-
-
-class Driven(NamedTuple):
-    """What is driven, and forces of loads that act besides, (L,) [N]; see :meth:`System.driven`."""
-
-    drive: Drive
-    kept: FloatArray
 
 
 def _count(bodies: int) -> str:
@@ -76,8 +69,6 @@ class Discretization:
         What decides the current discretization.
     system : System
         Its equations.
-    driven : Driven or None
-        What the current equations drive; None for the load of the last stage alone.
     compliance : float or None
         Controlled quantity per unit load of the undamaged structure at full resolution [m/N]; known when calibration
         has needed it.
@@ -106,7 +97,6 @@ class Discretization:
             )
         if not full:
             check_places(self._conditions, start, case.discretization.l_f, start=True)
-        self.driven: Driven | None = None
         self.system = self._equations(start)
 
     def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
@@ -153,32 +143,28 @@ class Discretization:
         self._change(self.layout, self._calibrated(self.system))
         return self.system
 
-    def at(self, layout: Layout, driven: Driven | None) -> System:
+    def at(self, layout: Layout, drive: Drive, kept: FloatArray) -> System:
         """The equations of a layout of this specimen under what is driven; made again unless they are the current ones.
 
         Parameters
         ----------
         layout : Layout
             What is fine.
-        driven : Driven or None
-            What is driven; None for the load of the last stage alone.
+        drive : Drive
+            What is driven.
+        kept : (L,) array
+            Forces of loads that act besides [N].
         """
-        if layout is not self.layout or not _same(driven, self.driven):
-            system = self._equations(self._discretized(layout.region, self.system.tessellation))
-            scale = layout.elastic_scale
-            self.layout, self.driven = layout, driven
-            self.system = self._under(system if scale == 1.0 else system.scaled(scale))
+        now = self.system
+        if layout is not self.layout or drive is not now.drive or not np.array_equal(kept, now.kept):
+            system, scale = self._equations(self._discretized(layout.region, now.tessellation)), layout.elastic_scale
+            self.layout = layout
+            self.system = _driving(system if scale == 1.0 else system.scaled(scale), drive, kept)
         return self.system
 
-    def drive(self, driven: Driven) -> System:
-        """Let other loads be driven, and return the equations."""
-        self.driven = driven
-        self.system = self._under(self.system)
-        return self.system
-
-    def _under(self, system: System) -> System:
-        """Equations with what is driven now."""
-        return system if self.driven is None else system.driven(*self.driven)
+    def drive(self, drive: Drive, kept: FloatArray) -> None:
+        """Let other loads be driven, as :meth:`at`."""
+        self.system = self.system.driven(drive, kept)
 
     def assess(self, response: Response, load: float) -> tuple[ElasticState, FloatArray]:
         """How near to failure elastic bodies are.
@@ -278,11 +264,11 @@ class Discretization:
 
     def _changed(self, region: RefinedRegion) -> System:
         """Equations for another region."""
-        return self._under(self._calibrated(self._equations(self._discretized(region, self.system.tessellation))))
+        now = self.system
+        found = self._calibrated(self._equations(self._discretized(region, now.tessellation)))
+        return _driving(found, now.drive, now.kept)
 
 
-def _same(one: Driven | None, other: Driven | None) -> bool:
-    """Whether the same is driven."""
-    if one is None or other is None:
-        return one is other
-    return one.drive is other.drive and np.array_equal(one.kept, other.kept)
+def _driving(system: System, drive: Drive, kept: FloatArray) -> System:
+    """Equations that drive the load of the last stage alone, under what is driven."""
+    return system if drive is system.drive and not kept.any() else system.driven(drive, kept)

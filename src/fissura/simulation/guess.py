@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fissura.equilibrium import Equilibrium, Goal, System, settle
 from fissura.linear import SingularMatrixError
+from fissura.simulation import limits
 
 if TYPE_CHECKING:
     from fissura.simulation.state import State
@@ -16,13 +17,6 @@ if TYPE_CHECKING:
 __all__ = ["guessed"]
 
 FloatArray = NDArray[np.float64]
-
-#: Extrapolation in steps, at most; where energy leads and there is nothing to extrapolate from, the factor on a state
-#: for contacts to go on being damaged, and the largest one that a guess may put on the load.
-_FARTHEST, _PAST, _PAST_AIM = 4.0, 1.001, 1.2
-
-#: Share of the value to be reached below which a state is too near to rest to be scaled to it.
-_NOTHING = 1e-6
 
 
 def guessed(system: System, state: State, goal: Goal) -> tuple[FloatArray, float]:
@@ -32,11 +26,11 @@ def guessed(system: System, state: State, goal: Goal) -> tuple[FloatArray, float
     forward = state.leg is not None and (state.leg.end - state.leg.begin) * growth > 0.0
     if before is not None and (goal.in_energy or forward):
         ratio = goal.size / max(state.spent, 1e-300) if goal.in_energy else (goal.size - now.value) / growth
-        ratio = min(ratio, _FARTHEST if goal.in_energy == state.in_energy else 1.0)
+        ratio = min(ratio, limits.FARTHEST if goal.in_energy == state.in_energy else 1.0)
         return now.response.u + ratio * (now.response.u - before.u), now.load + ratio * (now.load - before.load)
     if goal.in_energy:
         return _aimed(system, state, goal.size)
-    if system.dead is not None or abs(now.value) <= _NOTHING * abs(goal.size):
+    if system.dead is not None or abs(now.value) <= limits.NEAR_REST * abs(goal.size):
         unit = settle(system, now.response.history, goal.size)
         return unit.response.u, unit.load
     ratio = goal.size / now.value
@@ -47,16 +41,16 @@ def _aimed(system: System, state: State, energy: float) -> tuple[FloatArray, flo
     """The state with the damage found before refinement, under the load with which it has dissipated an energy."""
     now = state.now
     if system.dead is not None:
-        more = (_PAST - 1.0) * now.load
+        more = (limits.PAST - 1.0) * now.load
         return now.response.u + more * system.prepared.solve(now.response.history), now.load + more
     end = None if state.aim is None else _settled(system, state.aim, now.value)
     if end is not None and end.load != 0.0:
         unit = end.response.u / end.load
         softer = float(system.load @ (unit - now.response.u / now.load))
         load = 2.0 * energy / (now.load * softer) if softer != 0.0 else np.inf
-        if 1.0 / _PAST_AIM < load / now.load < _PAST_AIM:
+        if 1.0 / limits.PAST_AIM < load / now.load < limits.PAST_AIM:
             return load * unit, load
-    return _PAST * now.response.u, _PAST * now.load
+    return limits.PAST * now.response.u, limits.PAST * now.load
 
 
 def _settled(system: System, history: FloatArray, value: float) -> Equilibrium | None:

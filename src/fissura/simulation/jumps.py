@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from fissura.errors import Notice
+from fissura.simulation import limits
 
 __all__ = ["Jumps"]
-
-#: Corrections up to which a step has followed its path: most take two or three, where much damage begins up to eight.
-_FOLLOWED = 8
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ class Jumps:
             Corrections that its solution took.
         """
         found = self
-        if self.has_failed or iterations > _FOLLOWED:
+        if self.has_failed or iterations > limits.FOLLOWED:
             found = replace(found, number=(*self.number, number), gauge=(*self.gauge, gauge))
         if abs(load) > self.peak:
             found = replace(found, peak=abs(load), until=number)

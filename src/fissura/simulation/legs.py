@@ -12,7 +12,7 @@ from fissura.case.programme import GRAVITY, StageTarget
 from fissura.case.stages import LoadingStage
 from fissura.equilibrium import Leg, UnmovedGaugeError, reach_of
 from fissura.errors import InputError
-from fissura.simulation.discretization import Driven
+from fissura.simulation import limits
 from fissura.specimen import Drive
 
 if TYPE_CHECKING:
@@ -22,16 +22,9 @@ if TYPE_CHECKING:
     from fissura.simulation.state import State
     from fissura.specimen import Conditions
 
-__all__ = ["Ahead", "Planned", "ahead", "check_drives", "entered", "extended", "planned_legs"]
+__all__ = ["Planned", "ahead", "check_drives", "entered", "extended", "planned_legs"]
 
 FloatArray = NDArray[np.float64]
-
-#: Steps of a leg to a share of a load as long as it unloads, else to a share or to zero, and of the weight, and what is
-#: left of one when a run is given up.
-_UNLOADING_STEPS, _STEPS, _WEIGHT_STEPS, _LEAST = 10, 50, 4, 1e-4
-
-#: Share of the loads that differs by round-off only.
-_ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
@@ -48,12 +41,15 @@ class Planned:
         Where it ends.
     drive : Drive
         What is driven and controlled; the load factor, where the target is a share of a load.
+    main : bool
+        It and all legs before drive the load of the last stage, as the equations of the start do.
     """
 
     number: int
     stage: LoadingStage
     target: StageTarget
     drive: Drive
+    main: bool
 
 
 def planned_legs(case: Case, conditions: Conditions) -> tuple[Planned, ...]:
@@ -66,49 +62,33 @@ def planned_legs(case: Case, conditions: Conditions) -> tuple[Planned, ...]:
     conditions : Conditions
         Its loads and gauges.
     """
-    legs = []
+    legs: list[Planned] = []
     if conditions.weight is not None:
         size, ratios = conditions.weight.size, np.zeros(len(conditions.load_names))
         ratios[-1] = 1.0
-        step, target = size / _WEIGHT_STEPS, StageTarget(size)
-        main = case.main
+        step, target = size / limits.WEIGHT_STEPS, StageTarget(size)
+        last = case.main
         stage = LoadingStage(
-            GRAVITY, ((GRAVITY, 1.0),), "force", None, False, (target,), size, step, step, _LEAST * step,
-            main.tolerance, main.max_iterations, switch=False,
+            GRAVITY, ((GRAVITY, 1.0),), "force", None, False, (target,), size, step, step, limits.SMALLEST_STEP * step,
+            last.tolerance, last.max_iterations, switch=False,
         )  # fmt: skip
-        legs.append(Planned(0, stage, target, Drive(ratios, "force", None)))
+        legs.append(Planned(0, stage, target, Drive(ratios, "force", None), main=False))
     for number, (stage, drive) in enumerate(zip(case.stages, conditions.drives, strict=True), 1):
         for target in stage.targets:
             way = replace(drive, quantity="force") if target.of else drive
-            legs.append(Planned(number, stage, target, way))
+            main = (not legs or legs[-1].main) and _same(way, conditions.main)
+            legs.append(Planned(number, stage, target, way, main))
     return tuple(legs)
 
 
-@dataclass(frozen=True)
-class Ahead:
-    """The next leg that leads anywhere, as seen from a state.
-
-    Attributes
-    ----------
-    index : int
-        Its number among the legs of the programme.
-    driven : Driven
-        What is driven then.
-    load, value : float
-        Load factor [N] and controlled quantity [m or N] where it begins.
-    end : float
-        Controlled quantity where it is to end.
-    """
-
-    index: int
-    driven: Driven
-    load: float
-    value: float
-    end: float
+def _same(one: Drive, other: Drive) -> bool:
+    """Whether the same is driven and controlled."""
+    same = one.quantity == other.quantity and one.gauge == other.gauge
+    return same and np.array_equal(one.ratios, other.ratios)
 
 
-def ahead(model: Model, state: State) -> Ahead | None:
-    """What comes after the current leg of a state; None where nothing does.
+def ahead(model: Model, state: State) -> Leg | None:
+    """The next leg that leads anywhere after the current one of a state; None where there is none.
 
     Parameters
     ----------
@@ -116,17 +96,21 @@ def ahead(model: Model, state: State) -> Ahead | None:
         What is run; its equations are those of the state.
     state : State
         The end of a leg, or rest before the first one.
+
+    Returns
+    -------
+    Leg or None
+        Its slope is not known before it has :func:`entered`.
     """
     begun = 0 if state.leg is None else state.leg.index + 1
     for index in range(begun, len(model.legs)):
-        found = _seen(model, state, index)
-        size = max(abs(found.value), abs(found.end))
-        if abs(found.end - found.value) > _ROUND_OFF * size:
-            return found
+        leg = _seen(model, state, index)
+        if leg.length > limits.NO_WAY * max(abs(leg.begin), abs(leg.end)):
+            return leg
     return None
 
 
-def _seen(model: Model, state: State, index: int) -> Ahead:
+def _seen(model: Model, state: State, index: int) -> Leg:
     """A leg as it begins at a state."""
     planned, forces = model.legs[index], state.totals.forces
     ratios, target = planned.drive.ratios, planned.target
@@ -145,7 +129,17 @@ def _seen(model: Model, state: State, index: int) -> Ahead:
     if target.of:
         base = factor if target.of == "load" else np.copysign(_peak(model, state, index), factor)
         end = target.value * base
-    return Ahead(index, Driven(planned.drive, kept), factor, value, end)
+    stage, length = planned.stage, abs(end - value)
+    longest, first, smallest = stage.max_step, stage.first_step, stage.min_step
+    if target.of or not longest:
+        unloads = target.of and 0.0 <= end * value <= value**2  # along a line, to the origin
+        longest = first = length / (limits.UNLOADING_STEPS if unloads else limits.STEPS)
+        smallest = limits.SMALLEST_STEP * first
+    way = model.longest_way(planned.number)
+    share = stage.max_step / way if way > 0.0 else 1.0 / limits.STEPS
+    share = share if stage.energy_step is None else stage.energy_step
+    quantity = planned.drive.quantity
+    return Leg(index, quantity, kept, value, end, factor, 1.0, longest, first, smallest, share)
 
 
 def _shared(ratios: FloatArray, forces: FloatArray) -> tuple[float, FloatArray]:
@@ -155,7 +149,7 @@ def _shared(ratios: FloatArray, forces: FloatArray) -> tuple[float, FloatArray]:
     """
     factor = float(ratios @ forces / (ratios @ ratios))
     own = ratios != 0.0
-    if np.abs(forces - factor * ratios)[own].max() > _ROUND_OFF * max(np.abs(forces).max(), 1e-300):
+    if np.abs(forces - factor * ratios)[own].max() > limits.NO_WAY * max(np.abs(forces).max(), 1e-300):
         return 0.0, forces
     return factor, np.where(own, 0.0, forces)
 
@@ -168,7 +162,7 @@ def _peak(model: Model, state: State, index: int) -> float:
     return state.totals.peak if same else 0.0
 
 
-def entered(model: Model, state: State, way: Ahead) -> State:
+def entered(model: Model, state: State, leg: Leg) -> State:
     """The state where a leg begins.
 
     Parameters
@@ -177,8 +171,8 @@ def entered(model: Model, state: State, way: Ahead) -> State:
         What is run; it goes over to what is driven then.
     state : State
         Where the leg before has ended.
-    way : Ahead
-        The leg.
+    leg : Leg
+        The leg, as :func:`ahead` sees it.
 
     Raises
     ------
@@ -187,22 +181,19 @@ def entered(model: Model, state: State, way: Ahead) -> State:
     UnmovedGaugeError
         The load does not move what is controlled.
     """
-    planned = model.legs[way.index]
-    peak = max(_peak(model, state, way.index), abs(way.load))
-    if not _alone(model.discretization.conditions.main, way.driven) or model.discretization.driven is not None:
-        model.discretization.drive(way.driven)
+    planned = model.legs[leg.index]
+    peak = max(_peak(model, state, leg.index), abs(leg.load))
+    if not planned.main:
+        model.discretization.drive(planned.drive, leg.kept)
     system = model.system
-    if state.leg is None and model.discretization.driven is None:  # the load of the last stage: known from the start
+    if state.leg is None and planned.main:  # known from the start
         slope, limit = np.copysign(1.0, state.start.stiffness), state.start.limit
     else:
         slope, limit = _elastic(system, state)
-    leg = _leg(planned, way, float(slope), model.longest_way(planned.number))
-    now = replace(state.now, load=way.load, value=way.value, iterations=0)
     state = replace(
         state,
-        leg=leg,
-        main=model.discretization.driven is None,
-        now=now,
+        leg=replace(leg, slope=float(slope)),
+        now=replace(state.now, load=leg.load, value=leg.begin, iterations=0),
         before=None,
         in_energy=False,
         aim=None,
@@ -222,13 +213,6 @@ def extended(model: Model, state: State) -> State:
     return replace(state, leg=replace(state.leg, end=target.value))
 
 
-def _alone(main: Drive, driven: Driven) -> bool:
-    """Whether what is driven is what the last stage drives, without other loads."""
-    drive, kept = driven
-    same = drive.quantity == main.quantity and drive.gauge == main.gauge and np.array_equal(drive.ratios, main.ratios)
-    return same and not kept.any()
-
-
 def _elastic(system: System, state: State) -> tuple[float, float]:
     """Sense in which the load factor goes with the controlled quantity, and that with which the first contact breaks.
 
@@ -241,19 +225,6 @@ def _elastic(system: System, state: State) -> tuple[float, float]:
         return np.copysign(1.0, reach), np.inf
     used = system.largest_utilisation(system.response(unit, history))
     return np.copysign(1.0, reach), abs(reach) / used if used > 0.0 else np.inf
-
-
-def _leg(planned: Planned, way: Ahead, slope: float, longest_way: float) -> Leg:
-    stage, length = planned.stage, abs(way.end - way.value)
-    longest, first, smallest = stage.max_step, stage.first_step, stage.min_step
-    if planned.target.of or not longest:
-        unloads = planned.target.of and 0.0 <= way.end * way.value <= way.value**2  # along a line, to the origin
-        longest = first = length / (_UNLOADING_STEPS if unloads else _STEPS)
-        smallest = _LEAST * first
-    share = stage.max_step / longest_way if longest_way > 0.0 else 1.0 / _STEPS
-    share = share if stage.energy_step is None else stage.energy_step
-    drive, kept = way.driven
-    return Leg(way.index, drive.quantity, kept, way.value, way.end, way.load, slope, longest, first, smallest, share)
 
 
 def check_drives(model: Model) -> None:

@@ -6,6 +6,7 @@ from fissura.case import Case
 from fissura.case.plausible import suspect
 from fissura.errors import InputError
 from fissura.machine.memory import gigabytes, physical_memory
+from fissura.simulation import limits
 
 __all__ = [
     "estimate_bodies",
@@ -13,13 +14,6 @@ __all__ = [
     "estimate_memory",
     "require_memory",
 ]
-
-MOST_BODIES = 5e7
-BYTES_PER_NUCLEUS = 400.0
-
-#: Fewest nuclei of a file with which no gap is left, over those placed at random: the thinnest lattice of balls that
-#: cover space has 1.4635/(4 pi/3) of them for each cube of side ``l_f``.
-_SPARSEST = 0.349 / 0.734
 
 
 def estimate_bodies(case: Case) -> float:
@@ -40,7 +34,7 @@ def estimate_bodies(case: Case) -> float:
     domain, l_f = domain_from_case(case), case.discretization.l_f
     area = sum(part.area for part in domain.faces(*(name for name in domain.surfaces if name != SURFACE)))
     layers = domain.volume / l_f**3 + 0.3 * area / l_f**2 + 0.36 * float(domain.size.sum()) / l_f + 0.216
-    return 0.734 * layers
+    return limits.SATURATED * layers
 
 
 def estimate_memory(bodies: float) -> float:
@@ -50,7 +44,7 @@ def estimate_memory(bodies: float) -> float:
     while damage grows. This is an eighth more than the first, and a third more than the second, for which the files
     and the states that a run keeps are still to come.
     """
-    return 35e3 * bodies + 300e6
+    return limits.BYTES_OF_RUN * bodies + limits.BYTES_BESIDES
 
 
 def estimate_elastic_memory(bodies: float) -> float:
@@ -58,7 +52,7 @@ def estimate_elastic_memory(bodies: float) -> float:
 
     Measured, tessellation and iterative solver together: 0.45 GB for 23 647 bodies, 1.25 GB for 103 603.
     """
-    return 12e3 * bodies + 300e6
+    return limits.BYTES_OF_SOLUTION * bodies + limits.BYTES_BESIDES
 
 
 def require_memory(case: Case, *, full: bool = False) -> None:
@@ -81,16 +75,16 @@ def require_memory(case: Case, *, full: bool = False) -> None:
 
     bodies, machine, l_f = estimate_bodies(case), physical_memory(), case.discretization.l_f
     if case.discretization.nuclei is not None:
-        bodies *= _SPARSEST
+        bodies *= limits.SPARSEST
     size = " x ".join(f"{length:g}" for length in domain_from_case(case).size)
     least = "at least" if case.discretization.nuclei is not None else "about"
     problem = f"{l_f:g} m in a specimen of {size} m means {least} {bodies:.2g} bodies"
     odd = suspect(case, "specimen")
-    if odd is not None and bodies * BYTES_PER_NUCLEUS > machine:
+    if odd is not None and bodies * limits.BYTES_PER_NUCLEUS > machine:
         raise InputError(odd.key, f"{odd.problem}; {problem}", odd.advice)
-    if bodies > MOST_BODIES:
-        raise InputError("discretization.l_f", problem, f"a spacing that gives at most {MOST_BODIES:.0e} bodies")
-    need = bodies * BYTES_PER_NUCLEUS
+    if bodies > limits.MOST_BODIES:
+        raise InputError("discretization.l_f", problem, f"a spacing that gives at most {limits.MOST_BODIES:.0e} bodies")
+    need = bodies * limits.BYTES_PER_NUCLEUS
     if full:
         need = max(need, estimate_memory(bodies))
     if need > machine:

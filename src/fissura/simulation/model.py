@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from fissura.equilibrium import PathFollower, StepSolver, System
+import numpy as np
+
+from fissura.equilibrium import Leg, PathFollower, StepSolver, System
 from fissura.simulation.accepted import Found, snapshot_of
-from fissura.simulation.discretization import Discretization, Driven
-from fissura.simulation.legs import Ahead, ahead, planned_legs
+from fissura.simulation.discretization import Discretization
+from fissura.simulation.legs import ahead, planned_legs
 
 if TYPE_CHECKING:
     from fissura.case import Case, LoadingStage
@@ -86,7 +88,7 @@ class Model:
             return True
         return follower.ended(state.now.value) and self.ahead(state) is None
 
-    def ahead(self, state: State) -> Ahead | None:
+    def ahead(self, state: State) -> Leg | None:
         """The next leg, where that of a state has ended; None where there is none."""
         self._make(state)
         return ahead(self, state)
@@ -100,12 +102,12 @@ class Model:
 
     def at(self, state: State) -> System:
         """The equations of a state."""
-        driven = None
-        if state.leg is not None and not state.main:
-            driven = Driven(self.legs[state.leg.index].drive, state.leg.kept)
+        drive, kept = self.discretization.conditions.main, np.zeros_like(state.totals.forces)
+        if state.leg is not None and not self.legs[state.leg.index].main:
+            drive, kept = self.legs[state.leg.index].drive, state.leg.kept
         self._state = None
         self.discretization.compliance = state.start.compliance
-        return self.discretization.at(state.layout, driven)
+        return self.discretization.at(state.layout, drive, kept)
 
     def snapshot(self, state: State) -> Snapshot:
         """What can be seen in a state, as its step told."""

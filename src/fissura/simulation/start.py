@@ -10,6 +10,7 @@ import numpy as np
 from fissura.equilibrium import Equilibrium, System, UnmovedGaugeError, settle
 from fissura.errors import InputError, Notice
 from fissura.linear import SingularMatrixError
+from fissura.simulation import limits
 from fissura.simulation.legs import check_drives
 from fissura.simulation.model import Model
 from fissura.simulation.state import Start, State, Totals
@@ -21,12 +22,6 @@ if TYPE_CHECKING:
 __all__ = ["started"]
 
 _log = logging.getLogger(__name__)
-
-#: Error of the initial stiffness that is accepted after calibration.
-_STIFFNESS_ERROR = 0.02
-
-#: Share of the elastic energy in the trace of friction of a platen from which on the specimen slides on it.
-_SLIDING = 0.2
 
 
 def _is_to_grow(case: Case) -> bool:
@@ -71,7 +66,7 @@ def started(model: Model, bodies: tuple[int, int]) -> State:
         raise backward_gauge(system.conditions, stiffness)
     if discretization.compliance is not None:
         off = stiffness * discretization.compliance - 1.0
-        if abs(off) > _STIFFNESS_ERROR:
+        if abs(off) > limits.STIFFNESS_ERROR:
             kind = f"is {abs(off):.0%} too {'stiff' if off > 0.0 else 'soft'} against full resolution"
             if stiffness < 0.0:
                 kind = f"moves the {case.quantity} the other way than full resolution does"
@@ -100,7 +95,7 @@ def _sliding(system: System, unit: Equilibrium) -> tuple[Notice, ...]:
     each = 0.5 * system.geometry.volume[:, None] * response.traction * response.strain
     for platen, own in zip(system.conditions.platens, system.platens.contacts, strict=True):
         share = float(each[own, 1:].sum()) / float(each.sum())
-        if platen.contact == "frictionless" and share > _SLIDING:
+        if platen.contact == "frictionless" and share > limits.SLIDING:
             found.append(
                 Notice(
                     platen.key,

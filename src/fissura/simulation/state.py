@@ -115,8 +115,6 @@ class State:
         Sums over accepted steps.
     leg : Leg or None
         The way that it is on; None before the first one.
-    main : bool
-        What is driven is the load of the last stage, without others.
     leading : Leading or None
         What is remembered to choose the next step; None before the first leg.
     number : int
@@ -144,7 +142,6 @@ class State:
     start: Start
     totals: Totals
     leg: Leg | None = None
-    main: bool = True
     leading: Leading | None = None
     number: int = 0
     before: Before | None = None
