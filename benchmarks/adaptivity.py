@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 
 from common import ROOT, Check, Report, main, options, say, table
-from fissura.study import load_plan, run_study, write_outcome
 from fissura.study.measures import Measures
 from fissura.study.outcome import Outcome
+from fissura.study.plan import load_plan
 from fissura.study.report import COLUMNS, summary_rows
+from fissura.study.runner import run_study, write_outcome
 from fissura.study.statistics import correlations, fails, localisation
 
 PICTURES = ("tradeoff", "errors", "indicators", "places")

@@ -15,7 +15,7 @@ from typing import Any
 
 from common import ROOT, Check, Report, changed, difference, example, main, measured, options, say, table
 from fissura import Case
-from fissura.study import load_plan
+from fissura.study.plan import load_plan
 from whole_runs import run_apart
 
 #: Specimens and their seeds: large ones take minutes.

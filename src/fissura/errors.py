@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-__all__ = ["EnsembleStopped", "FissuraError", "InputError", "Notice", "RunStopped", "StudyStopped", "one_line"]
+__all__ = ["EnsembleStopped", "FissuraError", "InputError", "Notice", "RunStopped", "one_line"]
 
 #: Most characters of a key, and of what is wrong and allowed, in a message.
 _LONGEST_KEY, _LONGEST_TEXT = 300, 1000
@@ -136,14 +136,10 @@ class RunStopped(FissuraError):
 
 
 class EnsembleStopped(FissuraError):
-    """An ensemble that cannot go on; every realisation that has ended is on disk, and the ensemble can be resumed.
+    """An ensemble, calibration or study that cannot go on; every run that has ended is on disk, and it can be resumed.
 
     Examples
     --------
     >>> issubclass(EnsembleStopped, FissuraError)
     True
     """
-
-
-class StudyStopped(FissuraError):
-    """A study that cannot go on; every run that has ended is on disk, and the study can be run again for the others."""

@@ -15,7 +15,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from fissura.batch.processes import DEATHS, ProcessesLost, _Job, _Worker, computed
+from fissura.batch.processes import DEATHS, _Job, _Worker, computed
+from fissura.errors import EnsembleStopped
 
 unix = pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
 
@@ -119,12 +120,12 @@ def test_a_task_whose_process_dies_is_computed_by_another(tmp_path: Path) -> Non
 def test_processes_that_die_while_they_start_end_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "sitecustomize.py").write_text('import os, sys\nif "spawn" in str(sys.orig_argv):\n    os._exit(9)\n')
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
-    with pytest.raises(ProcessesLost, match=r"die while they start, perhaps for lack of memory \(exit status 9\)"):
+    with pytest.raises(EnsembleStopped, match=r"die while they start, perhaps for lack of memory \(exit status 9\)"):
         list(computed(square, range(3), 2))
 
 
 def test_a_preparation_that_fails_is_told(capfd: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(ProcessesLost, match="no kernels"):
+    with pytest.raises(EnsembleStopped, match="no kernels"):
         list(computed(square, range(3), 1, refuse))
     assert capfd.readouterr().err == ""
 

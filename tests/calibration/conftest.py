@@ -7,11 +7,10 @@ from pathlib import Path
 
 import pytest
 
-import fissura.ensemble.runner as runner
+import fissura.batch.computing as computing
 from changes import TINY_BEAM
 from fissura import run
 from fissura.case import Case, case_from_dict
-from fissura.ensemble.outcome import compute
 
 TEXT = f"""# A tiny beam.
 {TINY_BEAM.replace('f_t = "2.2 MPa"', 'f_t = "2.5 MPa"')}
@@ -47,4 +46,4 @@ def measured(beam: Case, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def inline(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compute in this process, one after another."""
-    monkeypatch.setattr(runner, "outcomes", lambda tasks, *rest: (compute(task) for task in tasks))
+    monkeypatch.setattr(computing, "results", lambda run, tasks, *rest: ((task, run(task)) for task in tasks))

@@ -9,11 +9,10 @@ from typing import Any
 
 import pytest
 
+import fissura.batch.computing as computing
 import fissura.ensemble.report as report
-import fissura.ensemble.runner as runner
 from changes import ABSENT, TINY_BEAM, replaced
 from fissura.case import Case, case_from_dict
-from fissura.ensemble.outcome import compute
 
 TINY = f"""
 name = "tiny"
@@ -53,4 +52,4 @@ def few_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def inline(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compute in this process, one after another."""
-    monkeypatch.setattr(runner, "outcomes", lambda tasks, *rest: (compute(task) for task in tasks))
+    monkeypatch.setattr(computing, "results", lambda run, tasks, *rest: ((task, run(task)) for task in tasks))

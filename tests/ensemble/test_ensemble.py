@@ -19,11 +19,12 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-import fissura.ensemble.cluster as cluster
+import fissura.batch.computing as computing
+import fissura.batch.machines as machines
 import fissura.ensemble.runner as runner
+from fissura.batch.machines import Machines, workers_that_fit
 from fissura.case import Case
 from fissura.cli import app
-from fissura.ensemble.cluster import workers_that_fit
 from fissura.ensemble.outcome import Outcome, compute
 from fissura.ensemble.plan import Plan, Task
 from fissura.ensemble.progress import EnsembleProgress
@@ -31,7 +32,7 @@ from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.runner import run_ensemble
 from fissura.ensemble.store import Store
 from fissura.errors import EnsembleStopped, InputError
-from fissura.machine.kernel_threads import Team
+from fissura.machine.kernel_threads import KernelThreads
 from fissura.machine.threads import VARIABLE
 from fissura.results.curve import read_curve
 
@@ -148,14 +149,14 @@ def test_resume_computes_what_is_missing_and_no_more(tiny: Build, tmp_path: Path
 def test_failures_are_counted_named_and_tried_again(
     tiny_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def some(tasks: Iterable[Task], *rest: Any) -> Iterator[Outcome]:
+    def some(run: Any, tasks: Iterable[Task], *rest: Any) -> Iterator[tuple[Task, Outcome]]:
         for task in tasks:
             error = {2: MemoryError("no room"), 3: InputError("field.length", "too small")}.get(task.number)
-            yield compute(task) if error is None else Outcome.failed(task, error)
+            yield task, compute(task) if error is None else Outcome.failed(task, error)
 
     folder = tmp_path / "out"
-    working = runner.outcomes
-    monkeypatch.setattr(runner, "outcomes", some)
+    working = computing.results
+    monkeypatch.setattr(computing, "results", some)
     done = call("ensemble", tiny_file, "--runs", 5, "--output", folder)
     assert done.exit_code == 3
     assert "3 of 5 finished, 2 failed" in done.stdout
@@ -165,7 +166,7 @@ def test_failures_are_counted_named_and_tried_again(
     assert "MemoryError: no room" in page
     result = EnsembleResult.load(folder)
     assert result.statistics.numbers.tolist() == [1, 4, 5]
-    monkeypatch.setattr(runner, "outcomes", working)
+    monkeypatch.setattr(computing, "results", working)
     assert "--resume tries 1 of them again" in done.stderr
     # What the machine was to blame for is tried again, what the case is to blame for is not.
     again = call("ensemble", tiny_file, "--runs", 5, "--output", folder, "--resume")
@@ -176,7 +177,7 @@ def test_failures_are_counted_named_and_tried_again(
 @pytest.mark.usefixtures("inline")
 def test_an_ensemble_of_failures_still_has_a_page(tiny: Build, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        runner, "outcomes", lambda tasks, *rest: (Outcome.failed(task, MemoryError()) for task in tasks)
+        computing, "results", lambda run, tasks, *rest: ((task, Outcome.failed(task, MemoryError())) for task in tasks)
     )
     result = run_ensemble(tiny(), 3, output=tmp_path)
     assert (result.count("failed"), result.complete, len(result.peaks)) == (3, False, 0)
@@ -230,19 +231,35 @@ def test_a_disk_that_fills_ends_the_ensemble(tiny_file: Path, tmp_path: Path, mo
 
 @pytest.mark.usefixtures("inline")
 def test_a_scheduler_that_goes_is_no_crash(tiny_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def going(tasks: Iterable[Task], *rest: Any) -> Iterator[Outcome]:
-        yield compute(next(iter(tasks)))
+    def going(run: Any, tasks: Iterable[Task], *rest: Any) -> Iterator[tuple[Task, Outcome]]:
+        task = next(iter(tasks))
+        yield task, compute(task)
         raise EnsembleStopped("the scheduler or its connection has gone")
 
-    monkeypatch.setattr(runner, "outcomes", going)
+    monkeypatch.setattr(computing, "results", going)
     done = call("ensemble", tiny_file, "--runs", 3, "--output", tmp_path / "out")
     assert done.exit_code == 3
     assert "3 of 4 runs are missing" in done.stderr
     assert "--resume" in done.stderr
 
 
+def test_processes_that_die_while_they_start_are_no_crash(
+    tiny_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As for lack of memory."""
+    (tmp_path / "sitecustomize.py").write_text('import os, sys\nif "spawn" in str(sys.orig_argv):\n    os._exit(9)\n')
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    folder = tmp_path / "out"
+    done = call("ensemble", tiny_file, "--runs", 3, "--output", folder)
+    assert done.exit_code == 3
+    *_, last = done.stderr.splitlines()
+    assert last.startswith("error: processes die while they start, perhaps for lack of memory (exit status 9); ")
+    assert last.endswith(f"what has ended is saved in {folder}; the same command with --resume goes on from there")
+    assert "Traceback" not in done.stderr
+
+
 def threads_of(task: Task) -> Outcome:
-    return Outcome(task, "finished", f"{Team().threads} threads")
+    return Outcome(task, "finished", f"{KernelThreads().threads} threads")
 
 
 @pytest.mark.parametrize(("environment", "expected"), [(None, 1), ("3", 3)])
@@ -252,8 +269,8 @@ def test_workers_use_one_thread_unless_told_otherwise(
     monkeypatch.delenv(VARIABLE, raising=False)
     if environment is not None:
         monkeypatch.setenv(VARIABLE, environment)
-    monkeypatch.setattr(cluster, "compute", threads_of)
-    (outcome,) = cluster.outcomes(Plan(tiny(), 1, companions="none").tasks(), 1)
+    tasks = Plan(tiny(), 1, companions="none").tasks()
+    ((_, outcome),) = computing.results(threads_of, tasks, Machines(1), Outcome.failed)
     assert outcome.message == f"{expected} threads"
     assert os.environ.get(VARIABLE) == environment
 
@@ -295,11 +312,11 @@ def test_a_missing_extra_is_named(
 
 
 def test_fewer_workers_where_memory_is_short(tiny: Build, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "usable_processors", lambda: 16)
+    monkeypatch.setattr(machines, "usable_processors", lambda: 16)
     assert workers_that_fit(tiny(), full=True) <= 16
-    monkeypatch.setattr(cluster, "physical_memory", lambda: 1.5e9)
+    monkeypatch.setattr(machines, "physical_memory", lambda: 1.5e9)
     assert workers_that_fit(tiny(), full=True) == 4
-    monkeypatch.setattr(cluster, "physical_memory", lambda: 1.0)
+    monkeypatch.setattr(machines, "physical_memory", lambda: 1.0)
     assert workers_that_fit(tiny(), full=True) == 1
 
 
@@ -360,7 +377,7 @@ def die_twice_of_three(task: Task) -> Outcome:
 
 @pytest.mark.slow
 def test_a_run_that_kills_its_workers_has_failed(tiny: Build, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "compute", die_twice_of_three)
+    monkeypatch.setattr(runner, "compute", die_twice_of_three)
     result = run_ensemble(tiny(), 3, output=tmp_path, workers=1, companions="none")
     assert result.runs["status"].tolist() == ["failed", "finished", "failed"]
     assert all("died" in result.runs["error"][k] for k in (0, 2))

@@ -175,9 +175,9 @@ def test_the_plan_of_a_folder_is_kept_to(tiny: Build, tmp_path: Path) -> None:
     changed = [
         (Plan(tiny(material__f_t="2.3 MPa"), 2, "both"), "material.f_t was 2200000.0 and is now 2300000.0"),
         (Plan(tiny(field__length="21 mm"), 2, "both"), "field.length"),
-        (Plan(tiny(field=None), 2), "mode was 'both' and is now 'geometry'"),
+        (Plan(tiny(field=None), 2), 'mode was "both" and is now "geometry"'),
         (Plan(tiny(), 2, "both", master=2), "seed was 1 and is now 2"),
-        (Plan(tiny(), 2, "both", full=True), "full was False"),
+        (Plan(tiny(), 2, "both", full=True), "full was false"),
         (Plan(tiny(), 2, "both", "latin-hypercube"), "sampling"),
     ]
     for plan, message in changed:

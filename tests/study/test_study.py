@@ -9,17 +9,19 @@ import time
 from importlib import import_module
 
 import pytest
+from distributed import LocalCluster
 from rich.console import Console
 from typer.testing import CliRunner
 
 from fissura.cli import app
 from fissura.errors import InputError
-from fissura.machine.kernel_threads import Team
+from fissura.machine.kernel_threads import KernelThreads
 from fissura.machine.threads import VARIABLE
-from fissura.study import load_plan, plan_from_dict, run_study, write_outcome
-from fissura.study.plan import FULL
+from fissura.study import runner
+from fissura.study.plan import FULL, load_plan, plan_from_dict
 from fissura.study.progress import StudyProgress
 from fissura.study.record import Record
+from fissura.study.runner import run_study, write_outcome
 
 from .models import STUDY, write_study
 
@@ -141,7 +143,7 @@ def test_an_unexpected_error_fails_one_run_only(tmp_path, monkeypatch):
                 raise ZeroDivisionError("nobody thought of this")
             yield from super().steps()
 
-    monkeypatch.setattr(import_module("fissura.study.pool"), "warm_up", lambda: None)
+    monkeypatch.setattr(runner, "warm_up", lambda: None)
     monkeypatch.setattr(module, "Simulation", Broken)
     plan = load_plan(write_study(tmp_path, ONE))
     plan = plan_from_dict({**plan.plan.model_dump(), "variations": [{"name": "default"}]}, tmp_path)
@@ -156,12 +158,12 @@ def test_processes_use_one_thread_unless_told_otherwise(tmp_path, monkeypatch, e
         pass
 
     def start(*_, **__):  # processes inherit the environment of this moment
-        raise StartedError(Team().threads)
+        raise StartedError(KernelThreads().threads)
 
     monkeypatch.delenv(VARIABLE, raising=False)
     if environment is not None:
         monkeypatch.setenv(VARIABLE, environment)
-    monkeypatch.setattr(import_module("fissura.study.pool"), "computed", start)
+    monkeypatch.setattr(import_module("fissura.batch.computing"), "computed", start)
     with pytest.raises(StartedError) as caught:
         run_study(load_plan(write_study(tmp_path, ONE)), tmp_path / "out", workers=2)
     assert caught.value.args == (expected,)
@@ -180,17 +182,38 @@ def nothing():
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
 def test_a_process_that_dies_costs_its_run_only(tmp_path, monkeypatch):
-    module = import_module("fissura.study.pool")
-    monkeypatch.setattr(module, "execute", die_at_full_resolution)
-    monkeypatch.setattr(module, "warm_up", nothing)
+    monkeypatch.setattr(runner, "execute", die_at_full_resolution)
+    monkeypatch.setattr(runner, "warm_up", nothing)
+    monkeypatch.setattr(runner, "outcome_of", lambda *_: None)
     plan, told = load_plan(write_study(tmp_path, REFUSED)), []
-    module.run_tasks(list(plan.tasks()), tmp_path, 2, lambda task, record: told.append((task, record)))
-    assert {task.variation: record.message for task, record in told} == {
-        FULL: "the processes that ran it died, perhaps for lack of memory",
+    run_study(plan, tmp_path / "out", workers=2, on_done=lambda *of: told.append(of))
+    assert {task.variation: record.message for task, record, _ in told} == {
+        FULL: "the processes that computed it died, perhaps for lack of memory",
         "default": "tried",
         "gone": "tried",
     }
-    assert all((tmp_path / task.path).exists() for task, _ in told)
+    assert all((tmp_path / "out" / task.path).exists() for task, *_ in told)
+
+
+def tried(task):
+    return Record(task.specimen, task.seed, task.variation, {}, "failed", "tried")
+
+
+def test_a_cluster_runs_them_too(tmp_path, monkeypatch):
+    prepared = []
+    monkeypatch.setattr(runner, "execute", tried)
+    monkeypatch.setattr(runner, "warm_up", lambda: prepared.append(True))
+    monkeypatch.setattr(runner, "outcome_of", lambda *_: None)
+    plan, told = load_plan(write_study(tmp_path, REFUSED)), []
+    with LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None) as cluster:
+        run_study(plan, tmp_path / "out", scheduler=cluster, on_done=lambda *of: told.append(of))
+    assert {(task.variation, record.message) for task, record, _ in told} == {
+        (name, "tried") for name in (FULL, "default", "gone")
+    }
+    assert all((tmp_path / "out" / task.path).exists() for task, *_ in told)
+    assert prepared == [True]  # once in each worker
+    with pytest.raises(InputError, match="--workers: is given together with --scheduler"):
+        run_study(plan, tmp_path / "out", workers=2, scheduler="tcp://127.0.0.1:1")
 
 
 def test_more_workers_than_the_machine_can_run_are_refused(study, tmp_path):
@@ -226,7 +249,8 @@ def test_command_interrupted(tmp_path, monkeypatch):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(import_module("fissura.study.pool"), "run_tasks", interrupt)
+    monkeypatch.setattr(runner, "execute", interrupt)
+    monkeypatch.setattr(runner, "warm_up", nothing)
     done = call(write_study(tmp_path), "--output", tmp_path / "out")
     assert done.exit_code == 130
     out = tmp_path / "out"
@@ -246,7 +270,7 @@ def test_command_says_how_to_go_on_when_processes_die(tmp_path, monkeypatch):
 
 
 def test_command_shows_how_far_it_is(tmp_path, monkeypatch):
-    monkeypatch.setattr(import_module("fissura.study.pool"), "warm_up", lambda: None)
+    monkeypatch.setattr(runner, "warm_up", lambda: None)
     path = write_study(tmp_path, REFUSED)
     done = call(path, "--output", tmp_path / "out")
     assert done.exit_code == 0, done.output

@@ -21,10 +21,10 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
 from typing import Any, Generic, TypeVar
 
-from fissura.errors import FissuraError
+from fissura.errors import EnsembleStopped
 from fissura.kernels import prepare_cache
 
-__all__ = ["DEATHS", "ProcessesLost", "computed"]
+__all__ = ["DEATHS", "computed"]
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -43,10 +43,6 @@ _READY, _REFUSED, _DONE = range(3)
 
 # A forked copy of the threads of numerical libraries may hang.
 _context = get_context("spawn")
-
-
-class ProcessesLost(FissuraError):
-    """No process could be started, or none any more."""
 
 
 def computed(
@@ -74,7 +70,7 @@ def computed(
 
     Raises
     ------
-    ProcessesLost
+    EnsembleStopped
         No process can be started, or the preparation fails.
     """
     left, again = iter(tasks), deque[_Job[T]]()
@@ -178,7 +174,7 @@ class _Pool(Generic[T, R]):
 
         Raises
         ------
-        ProcessesLost
+        EnsembleStopped
             There is none, and none can be started.
         """
         while len(self._workers) < count and self._failed < _FAILED_STARTS:
@@ -187,7 +183,7 @@ class _Pool(Generic[T, R]):
             except OSError as error:  # too many processes, or no memory for one more
                 self._failed, self._reason = self._failed + 1, str(error)
         if not self._workers:
-            raise ProcessesLost(f"processes die while they start, perhaps for lack of memory ({self._reason})")
+            raise EnsembleStopped(f"processes die while they start, perhaps for lack of memory ({self._reason})")
 
     def arrived(self) -> Iterator[tuple[_Job[T], R]]:
         """Wait for any of them, and tell of jobs that ended; the result is `_DIED` where the process has."""
@@ -207,7 +203,7 @@ class _Pool(Generic[T, R]):
             if kind == _READY:
                 worker.ready, self._failed = True, 0
             elif kind == _REFUSED:
-                raise ProcessesLost(content)
+                raise EnsembleStopped(content)
             else:
                 job, worker.job = worker.job, None
                 assert job is not None

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from fissura.batch.progress import ManyProgress
 from fissura.calibration.problem import Problem
-from fissura.progress.live import ManyProgress, duration
-from fissura.text.quantities import force
 
 __all__ = ["CalibrationProgress"]
 
@@ -19,8 +16,7 @@ class CalibrationProgress(ManyProgress):
         self._problem = problem
         names = ", ".join(unknown.key for unknown in problem.unknowns)
         tests = f"{len(problem.tests)} test" + ("s" if len(problem.tests) > 1 else "")
-        self.say(f"{problem.name}: {names} from {tests}, {most} runs at most")
-        self.begin(most, 0, "starting workers")
+        self.begin(f"{problem.name}: {names} from {tests}, {most} runs at most", most)
 
     def round(self, number: int, designs: list[dict[str, float]], seeds: int) -> None:
         """Say what is run next."""
@@ -29,12 +25,3 @@ class CalibrationProgress(ManyProgress):
             for point in designs
         )
         self.say(f"round {number}, {seeds} seeds each: {told}")
-
-    def outcome(self, summary: dict[str, Any]) -> None:
-        """Show a run that has ended."""
-        status, about, peak = summary["status"], summary["realisation"], summary.get("peak_load_N")
-        self.ended(
-            status,
-            "" if status == "finished" else f"run {about['number']:04d} {status}: {summary['message']}",
-            "" if peak is None else f"last peak {force(peak)} in {duration(summary['wall_s'])}",
-        )

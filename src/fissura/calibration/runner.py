@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -10,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from fissura.batch.cluster import check_scheduler
+from fissura.batch.machines import Machines, require_packages
+from fissura.batch.resuming import check_same, folder_for, head_of
 from fissura.calibration.evaluate import evaluated
 from fissura.calibration.observed import observed
 from fissura.calibration.problem import Problem
@@ -22,16 +24,14 @@ from fissura.calibration.request import (
     request_of,
 )
 from fissura.calibration.result import Calibration
-from fissura.calibration.runs import Machines, Rounds
+from fissura.calibration.runs import OnRound, Rounds
 from fissura.calibration.search import least_runs, search
 from fissura.case import Case
 from fissura.case.model import folder_name
 from fissura.case.report import input_error
-from fissura.case.units import show
-from fissura.ensemble.cluster import require_packages
 from fissura.errors import InputError
 from fissura.files.atomic import write_json
-from fissura.files.folder import Folder, prepare_folder
+from fissura.files.folder import Folder
 from fissura.files.lock import locked
 from fissura.results.provenance import versions
 from fissura.results.summary import FORMAT_VERSION, read_summary
@@ -48,8 +48,6 @@ RUNS, RUNS_MORE = 40, 20
 unknown beyond the third."""
 
 _FILES = ("calibration.json", "calibration.png", "calibration.html")
-
-OnRound = Callable[[int, list[dict[str, float]], int], None]
 
 
 def calibrate(
@@ -146,7 +144,8 @@ def calibrate(
     True
     >>> ax = found.plot()
     """
-    require_packages(cluster=scheduler is not None)
+    require_packages("fissura calibrate", scheduler, "pyarrow", "jinja2")
+    machines = Machines(workers, threads_per_worker, scheduler)
     request, folder = requested(
         case,
         measured,
@@ -162,13 +161,18 @@ def calibrate(
     problem = problem_of(request, folder)
     tests = [observed(test) for test in problem.tests]
     most = _most(problem, request)
-    place = _folder(output, problem, request, full=full, resume=resume, overwrite=overwrite)
+    if scheduler is not None:
+        check_scheduler(scheduler)
+    place = folder_for(output, "calibration", resume=resume, overwrite=overwrite)
+    if resume:
+        inputs = _inputs(problem, request, full=full)
+        check_same(place, head_of(place, "calibration").get("inputs"), inputs)
     with locked(place):
         _begin(place, problem, request, full=full, resume=resume)
         if on_start is not None:
             on_start(problem, most)
-        machines = Machines(workers, threads_per_worker, scheduler, on_outcome)
-        rounds = Rounds(problem, tests, place, master=request.seed, full=full, machines=machines, on_round=on_round)
+        told: dict[str, Any] = {"on_round": on_round, "on_outcome": on_outcome}
+        rounds = Rounds(problem, tests, place, master=request.seed, full=full, machines=machines, **told)
         found = search(problem, tests, rounds, request.seeds, most)
         result = evaluated(problem, found, place)
         _write(result, problem, request)
@@ -250,38 +254,8 @@ def _most(problem: Problem, request: Request) -> int:
     return request.runs
 
 
-def _folder(
-    output: str | Path, problem: Problem, request: Request, *, full: bool, resume: bool, overwrite: bool
-) -> Path:
-    if resume and overwrite:
-        raise InputError("--resume", "is given together with --overwrite", "one of them")
-    if resume and not (Path(output) / "calibration.json").is_file():
-        raise InputError("--resume", f"{output} has no calibration.json", "the folder of a calibration")
-    place = prepare_folder(output, "calibration", overwrite=overwrite, go_on=resume)
-    if resume:
-        before = read_summary(place / "calibration.json").get("inputs")
-        now = json.loads(json.dumps(_inputs(problem, request, full=full)))
-        key = _difference(before, now)
-        if key is not None:
-            raise InputError("--resume", f"{key} is not as it was", f"what {place} was begun with, or --overwrite")
-    return place
-
-
 def _inputs(problem: Problem, request: Request, *, full: bool) -> dict[str, Any]:
     return {**problem.as_dict(), "seeds": request.seeds, "seed": request.seed, "full": full}
-
-
-def _difference(before: Any, now: Any, key: str = "") -> str | None:
-    """The first key whose values differ."""
-    if isinstance(before, Mapping) and isinstance(now, Mapping):
-        for name in dict.fromkeys((*before, *now)):
-            found = _difference(before.get(name), now.get(name), f"{key}.{name}" if key else name)
-            if found is not None:
-                return found
-        return None
-    if before == now:
-        return None
-    return key if isinstance(now, list | Mapping) else f"{key} was {show(before)} and is now {show(now)}, which"
 
 
 def _begin(place: Path, problem: Problem, request: Request, *, full: bool, resume: bool) -> None:

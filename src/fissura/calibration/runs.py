@@ -3,42 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.batch.machines import Machines
 from fissura.calibration.observed import Observed, at_points
 from fissura.calibration.problem import Problem, Test
 from fissura.calibration.surrogate import Samples
 from fissura.ensemble.plan import Plan
 from fissura.ensemble.planning import planned
 from fissura.ensemble.result import EnsembleResult
-from fissura.ensemble.runner import run_plan
+from fissura.ensemble.runner import OnOutcome, run_plan
 from fissura.errors import InputError
 from fissura.files.folder import Folder
 from fissura.results.curve import COLUMN_OF, read_curve
 from fissura.results.load_path import LoadPath
 from fissura.results.summary import read_summary
 
-if TYPE_CHECKING:
-    from distributed.deploy.cluster import Cluster
-
-__all__ = ["Machines", "Rounds"]
+__all__ = ["OnRound", "Rounds"]
 
 FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Machines:
-    """Where runs are computed, and who is told; as of `fissura.run_ensemble`."""
-
-    workers: int | None = None
-    threads_per_worker: int = 1
-    scheduler: str | Cluster | None = None
-    on_outcome: Callable[[dict[str, Any]], None] | None = None
+OnRound = Callable[[int, list[dict[str, float]], int], None]
 
 
 class Rounds:
@@ -56,8 +43,11 @@ class Rounds:
     full : bool
         Full resolution.
     machines : Machines
+        Where runs are computed.
     on_round : callable, optional
         Called before each round with its number from 1, the designs as values by key, and the seeds of each.
+    on_outcome : callable, optional
+        Called with the summary of every run.
     """
 
     def __init__(
@@ -69,10 +59,12 @@ class Rounds:
         master: int,
         full: bool,
         machines: Machines,
-        on_round: Callable[[int, list[dict[str, float]], int], None] | None = None,
+        on_round: OnRound | None = None,
+        on_outcome: OnOutcome | None = None,
     ) -> None:
         self._problem, self._tests, self._folder = problem, tests, folder
-        self._master, self._full, self._machines, self._on_round = master, full, machines, on_round
+        self._master, self._full, self._machines = master, full, machines
+        self._on_round, self._on_outcome = on_round, on_outcome
         self._number = 0
 
     def __call__(self, designs: FloatArray, seeds: int) -> tuple[FloatArray, list[Samples]]:
@@ -103,17 +95,7 @@ class Rounds:
         plan = self._plan(test, values, seeds)
         there = (place / "ensemble.json").is_file()
         Folder.kept(self._folder, "calibration").add(f"{place.relative_to(self._folder).as_posix()}/")
-        machines = self._machines
-        return run_plan(
-            plan,
-            place,
-            resume=there,
-            workers=machines.workers,
-            threads_per_worker=machines.threads_per_worker,
-            scheduler=machines.scheduler,
-            on_outcome=machines.on_outcome,
-            report=False,
-        )
+        return run_plan(plan, place, self._machines, resume=there, on_outcome=self._on_outcome, report=False)
 
     def _plan(self, test: Test, values: list[dict[str, float]], seeds: int) -> Plan:
         vary = {unknown.key: [point[unknown.key] for point in values] for unknown in self._problem.unknowns}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from typing import Any
 
 from fissura.case.load import case_from_dict
@@ -12,7 +12,7 @@ from fissura.case.stages import LoadingStage
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["as_data", "continued"]
+__all__ = ["as_data", "changes", "continued"]
 
 #: Steps of ``[control]`` that a case file need not give: those of before stay.
 _STEPS = ("max_step", "first_step", "min_step", "energy_step")
@@ -74,12 +74,12 @@ def continued(case: Case, before: Mapping[str, Any], leg: int, begin: float, *, 
         case = case.model_copy(update={"control": case.control.model_copy(update={**steps, "target": target})})
     stage, position = _place(earlier, leg)
     free = {*_FREE, *(f"stage[{stage}].{key}" for key in ("to", "stop_load"))}
-    changes = list(_changes(_so_far(before, stage), _so_far(as_data(case), stage), free))
-    if changes:
-        more = f" and {len(changes) - _TOLD} more" if len(changes) > _TOLD else ""
+    found = list(changes(_so_far(before, stage), _so_far(as_data(case), stage), free))
+    if found:
+        more = f" and {len(found) - _TOLD} more" if len(found) > _TOLD else ""
         raise InputError(
             "--resume",
-            f"the case is not that of the run so far: {'; '.join(changes[:_TOLD])}{more}",
+            f"the case is not that of the run so far: {'; '.join(found[:_TOLD])}{more}",
             "changes of name, output, solver.threads, and of where the run ends; without --resume, any",
         )
     _check_ends(case if finished else given, earlier, stage, position, begin)
@@ -137,16 +137,16 @@ def _are_tables(*lists: list[Any]) -> bool:
     return all(isinstance(item, Mapping) for items in lists for item in items)
 
 
-def _changes(before: Any, now: Any, free: set[str], key: str = "") -> Iterator[str]:
+def changes(before: Any, now: Any, free: Set[str] = frozenset(), key: str = "") -> Iterator[str]:
     """Keys with different values, and these values."""
     if key in free or before == now:
         return
     if isinstance(before, Mapping) and isinstance(now, Mapping):
         for name in dict.fromkeys((*before, *now)):
-            yield from _changes(before.get(name), now.get(name), free, f"{key}.{name}" if key else name)
+            yield from changes(before.get(name), now.get(name), free, f"{key}.{name}" if key else name)
     elif isinstance(before, list) and isinstance(now, list) and (len(before) == len(now) or _are_tables(before, now)):
         for k, (old, new) in enumerate(zip(before, now, strict=False)):
-            yield from _changes(old, new, free, f"{key}[{k}]")
+            yield from changes(old, new, free, f"{key}[{k}]")
         for k in range(len(now), len(before)):
             yield f"{key}[{k}] is gone"
         for k in range(len(before), len(now)):

@@ -19,7 +19,10 @@ __all__ = ["study"]
 def study(
     plan: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],
     output: Annotated[Path | None, typer.Option(help="Folder.", show_default="results/NAME of the file")] = None,
-    workers: Annotated[int, typer.Option(min=1, help="Runs at the same time.")] = 1,
+    workers: Annotated[int | None, typer.Option(min=1, help="Runs at the same time.", show_default="1")] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this Dask scheduler instead.")
+    ] = None,
     again: Annotated[
         list[str] | None,
         typer.Option(help="Run this variation once more; also: full, failures. May be given several times."),
@@ -33,8 +36,9 @@ def study(
     """
     folder = output if output is not None else Path("results") / plan.stem
     with errors(), interruptible(say):
-        from fissura.study import load_plan, run_study, write_outcome
+        from fissura.study.plan import load_plan
         from fissura.study.progress import StudyProgress
+        from fissura.study.runner import run_study, write_outcome
 
         console = Console(stderr=True)
         progress = None if quiet else StudyProgress(console)
@@ -45,6 +49,7 @@ def study(
                     load_plan(plan),
                     folder,
                     workers=workers,
+                    scheduler=scheduler,
                     again=again or (),
                     run=not report,
                     on_start=resumable.beginning(progress.start if progress else None),

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-import threading
 import traceback
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,9 +19,6 @@ if TYPE_CHECKING:
     from fissura.simulation.step import Step
 
 __all__ = ["CrackStart", "Outcome", "compute"]
-
-#: A worker with several threads would let runs share processor time and interleave; each process takes one at a time.
-_one_at_a_time = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -108,16 +104,14 @@ def compute(task: Task) -> Outcome:
     KeyboardInterrupt
         The user interrupts.
     """
-    with _one_at_a_time:
-        try:
-            if task.keep:
-                with tempfile.TemporaryDirectory(prefix="fissura_") as folder:
-                    outcome = _computed(task, Path(folder))
-                    files = {path.name: path.read_bytes() for path in sorted(Path(folder).glob("[!.]*"))}
-                    return Outcome(**{**vars(outcome), "files": files})
+    try:
+        if not task.keep:
             return _computed(task, None)
-        except Exception as error:
-            return Outcome.failed(task, error)
+        with tempfile.TemporaryDirectory(prefix="fissura_") as folder:
+            outcome = _computed(task, Path(folder))
+            return replace(outcome, files={path.name: path.read_bytes() for path in sorted(Path(folder).glob("[!.]*"))})
+    except Exception as error:
+        return Outcome.failed(task, error)
 
 
 def _computed(task: Task, folder: Path | None) -> Outcome:

@@ -4,30 +4,34 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fissura.batch.cluster import check_scheduler
+from fissura.batch.computing import compute_all
+from fissura.batch.machines import Machines, require_packages, workers_that_fit
+from fissura.batch.resuming import folder_for
 from fissura.case import Case, case_from_dict, load_case
 from fissura.case.ensemble import Combine
-from fissura.ensemble.cluster import check_scheduler, outcomes, require_packages, workers_that_fit
-from fissura.ensemble.outcome import Outcome
-from fissura.ensemble.plan import Companions, Key, Mode, Plan, Sampling
+from fissura.ensemble.outcome import Outcome, compute
+from fissura.ensemble.plan import Companions, Mode, Plan, Sampling, Task
 from fissura.ensemble.planning import planned
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
-from fissura.errors import EnsembleStopped, FissuraError, InputError
-from fissura.kernels import prepare_cache
-from fissura.machine.threads import side_by_side
+from fissura.errors import FissuraError
 from fissura.simulation.memory import require_memory
 
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["run_ensemble", "run_plan"]
+__all__ = ["OnOutcome", "OnStart", "run_ensemble", "run_plan"]
 
 _log = logging.getLogger(__name__)
+
+OnStart = Callable[[Plan, int, int], None]
+OnOutcome = Callable[[dict[str, Any]], None]
 
 
 def run_ensemble(
@@ -50,8 +54,8 @@ def run_ensemble(
     workers: int | None = None,
     threads_per_worker: int = 1,
     scheduler: str | Cluster | None = None,
-    on_start: Callable[[Plan, int, int], None] | None = None,
-    on_outcome: Callable[[dict[str, Any]], None] | None = None,
+    on_start: OnStart | None = None,
+    on_outcome: OnOutcome | None = None,
 ) -> EnsembleResult:
     """Run many realisations of a case, at each point of a parameter study where keys are varied.
 
@@ -124,7 +128,7 @@ def run_ensemble(
     >>> len(ensemble.peaks)
     2
     """
-    require_packages(cluster=scheduler is not None)
+    require_packages("fissura ensemble", scheduler, "pyarrow", "jinja2")
     case = case_from_dict(case) if isinstance(case, Mapping) else case if isinstance(case, Case) else load_case(case)
     plan = planned(
         case,
@@ -140,30 +144,21 @@ def run_ensemble(
         companions=companions,
         keep=keep,
     )
+    machines = Machines(workers, threads_per_worker, scheduler)
     return run_plan(
-        plan,
-        output,
-        resume=resume,
-        overwrite=overwrite,
-        workers=workers,
-        threads_per_worker=threads_per_worker,
-        scheduler=scheduler,
-        on_start=on_start,
-        on_outcome=on_outcome,
+        plan, output, machines, resume=resume, overwrite=overwrite, on_start=on_start, on_outcome=on_outcome
     )
 
 
 def run_plan(
     plan: Plan,
     output: str | Path,
+    machines: Machines,
     *,
     resume: bool = False,
     overwrite: bool = False,
-    workers: int | None = None,
-    threads_per_worker: int = 1,
-    scheduler: str | Cluster | None = None,
-    on_start: Callable[[Plan, int, int], None] | None = None,
-    on_outcome: Callable[[dict[str, Any]], None] | None = None,
+    on_start: OnStart | None = None,
+    on_outcome: OnOutcome | None = None,
     report: bool = True,
 ) -> EnsembleResult:
     """Run an ensemble that is planned; arguments and errors are those of `run_ensemble`.
@@ -172,59 +167,31 @@ def run_plan(
     ----------
     plan : Plan
         The ensemble.
+    machines : Machines
+        Where it is computed.
     report : bool, optional
         Whether statistics, pictures and the page are written, beside the table of runs.
     """
-    workers = None if workers is None else side_by_side("--workers", workers)
-    threads_per_worker = side_by_side("--threads-per-worker", threads_per_worker)
-    if scheduler is not None and workers is not None:
-        raise InputError(
-            "--workers", "is given together with --scheduler", "one of them: the scheduler has its workers"
-        )
-    if scheduler is not None and threads_per_worker != 1:
-        raise InputError(
-            "--threads-per-worker",
-            "is given together with --scheduler, whose workers run already",
-            "FISSURA_THREADS in the environment of these workers",
-        )
-    if scheduler is None:
+    if machines.scheduler is None:
         for point in plan.points:
             require_memory(point.case, full=plan.full)
     else:
-        check_scheduler(scheduler)
-    store = _folder(output, plan, resume=resume, overwrite=overwrite)
-    _compute(plan, store, workers, threads_per_worker, scheduler, on_start, on_outcome)
-    return evaluate(plan, store, report=report)
-
-
-def _folder(output: str | Path, plan: Plan, *, resume: bool, overwrite: bool) -> Store:
-    """The folder, ready to be written to."""
-    from fissura.files.folder import prepare_folder
-
-    if resume and overwrite:
-        raise InputError("--resume", "is given together with --overwrite", "one of them")
-    if resume and not Path(output).is_dir():
-        raise InputError("--resume", f"there is no folder {output}", "the folder of an ensemble")
-    store = Store(prepare_folder(output, "ensemble", overwrite=overwrite, go_on=resume))
+        check_scheduler(machines.scheduler)
+    store = Store(folder_for(output, "ensemble", resume=resume, overwrite=overwrite))
     if resume:
         warning = store.resume(plan)
         if warning:
             _log.warning(warning)
     else:
         store.begin(plan)
-    return store
+    _compute(plan, store, machines, on_start, on_outcome)
+    return evaluate(plan, store, report=report)
 
 
 def _compute(
-    plan: Plan,
-    store: Store,
-    workers: int | None,
-    threads: int,
-    scheduler: str | Cluster | None,
-    on_start: Callable[[Plan, int, int], None] | None,
-    on_outcome: Callable[[dict[str, Any]], None] | None,
+    plan: Plan, store: Store, machines: Machines, on_start: OnStart | None, on_outcome: OnOutcome | None
 ) -> None:
-    """Compute what is not there yet."""
+    """Compute what is not there yet, and write it."""
     there, keys = store.kept(), list(plan.keys())
     for note in there.notes():
         _log.warning(note)
@@ -234,50 +201,28 @@ def _compute(
         on_start(plan, len(missing), len(keys) - len(missing))
     if not missing:
         return
-    fit = min(workers_that_fit(point.case, full=plan.full) for point in plan.points)
-    count = min(workers or fit, len(missing))
-    if scheduler is None:
-        prepare_cache()
+    if machines.scheduler is None:
+        fit = min(workers_that_fit(point.case, full=plan.full) for point in plan.points)
+        machines = replace(machines, workers=min(machines.workers or fit, len(missing)))
+    warned: set[str] = set()
+
+    def keep(task: Task, outcome: Outcome) -> None:
+        summary = store.write(outcome)
+        for text in summary.get("warnings", ()):  # of each kind one: every run has its own numbers
+            kind = text.partition(":")[0]
+            if kind not in warned:
+                warned.add(kind)
+                _log.warning("%s (%s %04d, perhaps others)", text, *task.key)
+        if on_outcome is not None:
+            on_outcome(summary)
+
     try:
-        with closing(outcomes(map(plan.task, missing), count, threads, scheduler)) as arriving:
-            collect(arriving, store, missing, on_outcome)
+        tasks = map(plan.task, missing)
+        compute_all(compute, tasks, len(missing), machines, failed=Outcome.failed, keep=keep)
     except BaseException:
         # Whatever ended it, the table of what is there helps the user now.
         write_table(table(store.kept().summaries.values()), store.folder)
         raise
-
-
-def collect(
-    arriving: Iterable[Outcome],
-    store: Store,
-    missing: list[Key],
-    on_outcome: Callable[[dict[str, Any]], None] | None = None,
-) -> None:
-    """Write what arrives.
-
-    Raises
-    ------
-    EnsembleStopped
-        Some of what was missing did not arrive.
-    OSError
-        A file cannot be written.
-    """
-    left, warned = set(missing), set[str]()
-    try:
-        for outcome in arriving:
-            summary = store.write(outcome)
-            left.discard(outcome.task.key)
-            for text in summary.get("warnings", ()):  # of each kind one: every run has its own numbers
-                key = text.partition(":")[0]
-                if key not in warned:
-                    warned.add(key)
-                    _log.warning("%s (%s %04d, perhaps others)", text, *outcome.task.key)
-            if on_outcome is not None:
-                on_outcome(summary)
-    except EnsembleStopped as error:
-        raise EnsembleStopped(f"{error}; {len(left)} of {len(missing)} runs are missing") from error
-    if left:
-        raise EnsembleStopped(f"{len(left)} of {len(missing)} runs did not arrive")
 
 
 def evaluate(plan: Plan, store: Store, *, report: bool = True) -> EnsembleResult:

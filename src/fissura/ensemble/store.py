@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fissura.batch.resuming import check_same, head_of
 from fissura.ensemble.kept import FOLDERS, Kept, kept
 from fissura.ensemble.plan import Kind, Plan
-from fissura.errors import InputError
 from fissura.files.atomic import part_of, sync_folder, write_atomically, write_json
 from fissura.files.folder import Folder
 from fissura.results.curve import COLUMNS
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.provenance import versions
-from fissura.results.summary import FORMAT_VERSION, read_summary, write_summary
+from fissura.results.summary import FORMAT_VERSION, write_summary
 
 if TYPE_CHECKING:
     from fissura.ensemble.outcome import Outcome
@@ -98,23 +96,10 @@ class Store:
         InputError
             There is no ensemble, or it is another one: the message names the first key that differs.
         """
-        path = self.folder / "ensemble.json"
-        if not path.exists():
-            raise InputError("--resume", f"{self.folder} has no ensemble.json", "the folder of an ensemble")
-        old = read_summary(path)
-        before, used = old.get("plan", {}), old.get("versions", {})
-        new = json.loads(json.dumps(describe(plan)))
+        old = head_of(self.folder, "ensemble")
+        before, used, new = old.get("plan", {}), old.get("versions", {}), describe(plan)
         free = FREE if plan.sampling == "monte-carlo" else FREE - {"runs"}
-        if _goes_on(before.get("seeds"), new["seeds"]):
-            free = free | {"seeds"}
-        change = next(_changes(before, new, free), None)
-        if change is not None:
-            key, was, now = change
-            raise InputError(
-                "--resume",
-                f"{key} was {was!r} and is now {now!r}",
-                f"what {self.folder} was begun with, or --overwrite",
-            )
+        check_same(self.folder, before, new, free | {"seeds"} if _goes_on(before.get("seeds"), new["seeds"]) else free)
         self._own = Folder.kept(self.folder, "ensemble")
         self._own.add(*OWN)
         for name in FOLDERS.values():
@@ -223,13 +208,3 @@ def _move(part: Path, place: Path) -> None:
     for path in sorted(part.iterdir(), key=lambda path: path.name == "summary.json"):
         os.replace(path, place / path.name)
     part.rmdir()
-
-
-def _changes(old: Any, new: Any, free: set[str], key: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Keys whose values differ, with both values."""
-    if isinstance(old, dict) and isinstance(new, dict):
-        for name in [*new, *(name for name in old if name not in new)]:
-            if name not in free:
-                yield from _changes(old.get(name), new.get(name), set(), f"{key}.{name}" if key else name)
-    elif old != new:
-        yield key.removeprefix("case."), old, new

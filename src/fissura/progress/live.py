@@ -1,4 +1,4 @@
-"""Live progress of a run, or of many runs: a moving line in a terminal or a notebook, plain lines elsewhere."""
+"""Live progress of a run: a moving line in a terminal or a notebook, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
     from fissura.simulation.step import Step
 
-__all__ = ["ManyProgress", "RunProgress", "duration"]
+__all__ = ["EVERY_SECONDS", "Live", "RunProgress", "duration"]
 
 EVERY_SECONDS = 5.0
 EVERY_FRACTION = 0.05
@@ -42,7 +42,7 @@ def _count(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
-class _Live:
+class Live:
     """A moving line where there can be one, in a terminal or a notebook, and lines that stay; see `line_on`."""
 
     def __init__(self, console: Console, share: str) -> None:
@@ -64,7 +64,7 @@ class _Live:
             self._console.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
-class RunProgress(_Live):
+class RunProgress(Live):
     """Shows the steps of a run while it goes on; the case says how far it is."""
 
     def __init__(self, console: Console, case: Case) -> None:
@@ -133,43 +133,3 @@ class RunProgress(_Live):
         """What is left of the peak load, past it; the controlled quantity says little while energy leads."""
         load, peak = abs(step.load), self._done.peak
         return f" ({100 * load / peak:.0f} % of the peak)" if step.control == "dissipation" and load < peak else ""
-
-
-class ManyProgress(_Live):
-    """Shows how many of many runs have ended, and about how long the others take at the pace of these."""
-
-    def __init__(self, console: Console) -> None:
-        super().__init__(console, "{task.completed:.0f} of {task.total:.0f} runs")
-        self._start = self._shown = time.monotonic()
-        self._total = self._before = self._done = 0
-        self._bad: dict[str, int] = {}
-
-    def begin(self, missing: int, there: int, first: str) -> None:
-        """Start the clock: runs to do, runs done before, and what happens until the first one ends."""
-        self._start = self._shown = time.monotonic()
-        self._total, self._before, self._done = missing + there, there, 0
-        if self._line is not None and missing:
-            self._line.begin(first, done=there, total=self._total)
-
-    def ended(self, status: str, message: str, last: str) -> None:
-        """Show how a run has ended; all but ``"finished"`` are counted.
-
-        Something may be said at once, and something about this run in passing; both may be empty.
-        """
-        now = time.monotonic()
-        self._done += 1
-        if status != "finished":
-            self._bad[status] = self._bad.get(status, 0) + 1
-        if message:
-            self.say(message)
-        parts = [*(f"{count} {name}" for name, count in self._bad.items()), *([last] if last else [])]
-        parts.append(f"{duration(now - self._start)} elapsed")
-        left = self._total - self._before - self._done
-        if left:
-            parts.append(f"about {duration(left * (now - self._start) / self._done)} left")
-        text = ", ".join(parts)
-        if self._line is not None:
-            self._line.change(text, self._before + self._done)
-        elif now - self._shown >= EVERY_SECONDS or not left:
-            self._shown = now
-            self.say(f"{self._before + self._done} of {self._total} runs, {text}")

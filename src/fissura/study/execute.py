@@ -15,10 +15,15 @@ if TYPE_CHECKING:
     from fissura.simulation.step import Step
     from fissura.study.plan import Task
 
-__all__ = ["execute", "head_of", "warm_up"]
+__all__ = ["execute", "failed", "warm_up"]
 
 
-def head_of(task: Task) -> dict[str, Any]:
+def failed(task: Task, error: BaseException) -> Record:
+    """Record of a task of which nothing is left but an error."""
+    return Record(**_head(task), status="failed", message=str(error) or type(error).__name__)
+
+
+def _head(task: Task) -> dict[str, Any]:
     """What a record says of its task."""
     case = task.case.model_dump(mode="json", exclude={"source"})
     return {"specimen": task.specimen, "seed": task.seed, "variation": task.variation, "case": case}
@@ -46,7 +51,7 @@ def execute(task: Task) -> Record:
     from fissura.simulation.observer import watched
     from fissura.study.indicators import Observer
 
-    head = head_of(task)
+    head = _head(task)
     rows: list[Row] = []
     observer: Observer | None = None
     cpu, wall = time.process_time(), time.perf_counter()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from fissura.progress.live import ManyProgress, duration
+from fissura.batch.progress import ManyProgress
+from fissura.progress.live import duration
 from fissura.study.plan import LoadedPlan, Task
 from fissura.study.record import Record
 
@@ -18,9 +19,7 @@ class StudyProgress(ManyProgress):
 
     def start(self, plan: LoadedPlan, missing: int, there: int) -> None:
         """Say what is about to run."""
-        known = f", {there} of them there already" if there else ""
-        self.say(f"{plan.plan.name}: {missing + there} runs{known}")
-        self.begin(missing, there, "loading kernels")
+        self.begin(f"{plan.plan.name}: {missing + there} runs", missing, there, "loading kernels")
 
     def done(self, task: Task, record: Record, left: int) -> None:
         """Show a run that has ended; `left` is how many are left."""

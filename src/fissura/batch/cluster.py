@@ -1,34 +1,38 @@
-"""Where realisations are computed: processes of this machine, or any Dask cluster."""
+"""Tasks computed on a Dask cluster."""
 
 from __future__ import annotations
 
 import logging
 import socket
+import threading
 import time
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from fissura.batch.processes import ProcessesLost, computed
-from fissura.ensemble.outcome import Outcome, compute
-from fissura.ensemble.plan import Task
 from fissura.errors import EnsembleStopped, InputError
-from fissura.machine.memory import physical_memory
-from fissura.machine.threads import threads_each, usable_processors
-from fissura.simulation.memory import estimate_bodies, estimate_memory
 
 if TYPE_CHECKING:
     from distributed import Client
     from distributed.deploy.cluster import Cluster
 
-    from fissura.case import Case
-
-__all__ = ["check_scheduler", "outcomes", "require_packages", "workers_that_fit"]
+__all__ = ["LOST", "check_scheduler", "on_cluster"]
 
 _log = logging.getLogger(__name__)
 
-INSTALL = "pip install fissura[ensemble]"
+T = TypeVar("T")
+R = TypeVar("R")
+
+LOST = MemoryError("the processes that computed it died, perhaps for lack of memory")
+"""Why there is no result of a task whose processes died again and again."""
+
 ADDRESS = "the address that `dask scheduler` prints, such as tcp://127.0.0.1:8786"
+
+#: A worker with several threads would let runs share processor time and interleave.
+_one_at_a_time = threading.Lock()
+
+#: What was called in this worker before its first task.
+_prepared: set[Callable[[], None]] = set()
 
 #: How often a run is computed at most if its result is lost each time.
 _ATTEMPTS = 5
@@ -43,80 +47,46 @@ _REACH = 10.0
 _POLL, _LOOK, _ALONE = 0.02, 2.0, 60.0
 
 
-def require_packages(*, cluster: bool) -> None:
-    """Raise InputError if what ensembles need beyond a single run is not installed.
+def on_cluster(
+    run: Callable[[T], R], tasks: Iterable[T], scheduler: str | Cluster, prepare: Callable[[], None] | None = None
+) -> Generator[tuple[T, R, BaseException | None]]:
+    """Compute tasks on a cluster; a task comes with its result, or with the error of which it failed.
+
+    A task whose worker dies is computed again; the cluster gives it up after several deaths
+    (``distributed.scheduler.allowed-failures``).
 
     Parameters
     ----------
-    cluster : bool
-        Whether they run on a cluster.
-    """
-    for package in ("pyarrow", "jinja2", *(["dask", "distributed"] if cluster else [])):
-        try:
-            __import__(package)
-        except ImportError as error:
-            raise InputError("fissura ensemble", f"needs {package}, which is not installed", INSTALL) from error
-
-
-def workers_that_fit(case: Case, *, full: bool) -> int:
-    """Number of local processes by default: one per processor, fewer if that many runs do not fit into memory."""
-    bodies = estimate_bodies(case) if case.discretization.nuclei is None else 0.0
-    # Adaptive runs are far from the estimate of full resolution; a half of it is on the safe side.
-    memory = estimate_memory(bodies if full else bodies / 2.0)
-    return max(1, min(usable_processors(), int(physical_memory() / memory)))
-
-
-def outcomes(
-    tasks: Iterable[Task], workers: int, threads: int = 1, scheduler: str | Cluster | None = None
-) -> Generator[Outcome]:
-    """Compute tasks, and yield what becomes of each in the order in which they end.
-
-    Tasks are taken as there is room for them, so that planning many takes no time. A realisation whose process dies is
-    computed again by another one, and has failed after several such deaths. Whoever does not take all outcomes must
-    close this generator.
-
-    Parameters
-    ----------
-    tasks : iterable of Task
-        What to compute.
-    workers : int
-        Processes to start on this machine, unless there is a scheduler.
-    threads : int, optional
-        Threads of each of them, in Fissura's kernels and in linear algebra, unless environment variables that limit
-        them are set already.
-    scheduler : str or Cluster, optional
-        Address of a Dask scheduler whose workers are to be used, for example ``"tcp://127.0.0.1:8786"``, or a cluster
-        of Dask, which knows its credentials.
+    run : callable
+        Computes a task. It, tasks and results must be picklable. A worker runs one at a time, whatever its threads.
+    tasks : iterable
+        Taken as there is room for them.
+    scheduler : str or Cluster
+        Address of a scheduler, or a cluster of Dask.
+    prepare : callable, optional
+        Called once in each worker.
 
     Raises
     ------
     InputError
         The scheduler cannot be reached.
     EnsembleStopped
-        The scheduler has gone, or no local process can be started.
+        It has gone.
     """
-    if scheduler is None:
-        yield from _here(tasks, workers, threads)
-        return
     with _connected(scheduler) as client:
         try:
-            yield from _there(client, iter(tasks))
+            yield from _arriving(client, run, iter(tasks), prepare)
         except (OSError, RuntimeError, TimeoutError) as error:  # what connections raise
             raise EnsembleStopped(f"the scheduler or its connection has gone ({error})") from error
 
 
-def _here(tasks: Iterable[Task], workers: int, threads: int) -> Iterator[Outcome]:
-    """Compute tasks in processes of this machine."""
-    with threads_each(threads):
-        try:
-            for task, outcome in computed(compute, tasks, workers):
-                yield _lost(task) if outcome is None else outcome
-        except ProcessesLost as error:
-            raise EnsembleStopped(str(error)) from error
-
-
-def _lost(task: Task) -> Outcome:
-    return Outcome.failed(task, MemoryError("the processes that computed it died, perhaps for lack of memory"))
+def _in_turn(run: Callable[[T], R], prepare: Callable[[], None] | None, task: T) -> R:
+    """Compute a task in a worker."""
+    with _one_at_a_time:
+        if prepare is not None and prepare not in _prepared:
+            prepare()
+            _prepared.add(prepare)
+        return run(task)
 
 
 @contextmanager
@@ -196,19 +166,17 @@ def _silent() -> Iterator[None]:
             logger.setLevel(level)
 
 
-def _there(client: Client, tasks: Iterator[Task]) -> Iterator[Outcome]:
-    """Compute tasks on a cluster.
-
-    The cluster gives a task up after several deaths of its workers (``distributed.scheduler.allowed-failures``).
-    """
+def _arriving(
+    client: Client, run: Callable[[T], R], tasks: Iterator[T], prepare: Callable[[], None] | None
+) -> Iterator[tuple[T, Any, BaseException | None]]:
     from distributed import KilledWorker, as_completed
 
     arriving = as_completed(loop=client.loop)
-    waiting: dict[Any, tuple[Task, int]] = {}
+    waiting: dict[Any, tuple[T, int]] = {}
 
-    def submit(task: Task, attempt: int) -> None:
-        # Not pure: an equal task of an earlier ensemble must not stand for this one.
-        future = client.submit(compute, task, pure=False)
+    def submit(task: T, attempt: int) -> None:
+        # Not pure: an equal task of an earlier batch must not stand for this one.
+        future = client.submit(_in_turn, run, prepare, task, pure=False)
         waiting[future.key] = task, attempt
         arriving.add(future)
 
@@ -235,16 +203,17 @@ def _there(client: Client, tasks: Iterator[Task]) -> Iterator[Outcome]:
             arriving.add(future)
             continue
         done = status == "finished"
+        result, failure = None, None
         try:
-            outcome = future.result()
+            result = future.result()
         except Exception as error:
             if done and attempt < _ATTEMPTS:
                 # It was computed, but its worker died before it had handed over the result.
                 submit(task, attempt + 1)
                 continue
-            outcome = _lost(task) if isinstance(error, KilledWorker) else Outcome.failed(task, error)
+            failure = LOST if isinstance(error, KilledWorker) else error
         future.release()  # workers need not keep it any longer
-        yield outcome
+        yield task, result, failure
 
 
 class _Watch:
