@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from common import ROOT, Check, Report, main, options, say, table
+from fissura.study.definition import load_study
 from fissura.study.measures import Measures
-from fissura.study.outcome import Outcome
-from fissura.study.plan import load_plan
 from fissura.study.report import COLUMNS, summary_rows
-from fissura.study.runner import run_study, write_outcome
+from fissura.study.result import StudyResult
+from fissura.study.runner import run_study, write_result
 from fissura.study.statistics import correlations, fails, localisation
 
 PICTURES = ("tradeoff", "errors", "indicators", "places")
@@ -58,39 +58,39 @@ def produce(found: argparse.Namespace) -> Report:
     def told(task: object, record: Any, left: int) -> None:
         say(f"{task}: {record.status}; {left} left")
 
-    outcome = run_study(load_plan(found.study), found.folder, workers=found.workers, run=not found.report, on_done=told)
-    write_outcome(outcome, found.folder)
+    result = run_study(load_study(found.study), found.folder, workers=found.workers, run=not found.report, on_done=told)
+    write_result(result, found.folder)
     for name in PICTURES:
         picture = found.folder / f"{name}.png"
         if picture.exists():
             shutil.copyfile(picture, found.images / f"adaptivity_{name}.png")
-    return Report("adaptivity", [m.row() for m in outcome.found], _markdown(outcome), _checks(outcome))
+    return Report("adaptivity", [m.row() for m in result.found], _markdown(result), _checks(result))
 
 
-def _markdown(outcome: Outcome) -> str:
-    default = summary_rows(outcome, outcome.of(variation="default"))
+def _markdown(result: StudyResult) -> str:
+    default = summary_rows(result, result.of(variation="default"))
     shown = [(key, head) for key, head in COLUMNS if key not in ("stiffness", "crack", "cpu")]
     parts = [
         "## Numbers",
-        TEXT.format(runs=len(outcome.found), full=sum(count for count, _ in outcome.full.values())),
+        TEXT.format(runs=len(result.found), full=sum(count for count, _ in result.full.values())),
         "### Defaults\n",
         table(
             ["specimen", *(h for _, h in shown)], [[row["specimen"], *(row[k] for k, _ in shown)] for row in default]
         ),
         "\n### One parameter at a time\n",
         VARIED,
-        table(["variation", "runs", "right", "load [%]", "energy [%]", "bodies", "effort"], _varied(outcome)),
+        table(["variation", "runs", "right", "load [%]", "energy [%]", "bodies", "effort"], _varied(result)),
         "\n### Tolerances\n",
-        table(["tolerance [%]", "runs", "kept by", "load, 95 % [%]", "load, worst [%]"], _tolerances(outcome)),
+        table(["tolerance [%]", "runs", "kept by", "load, 95 % [%]", "load, worst [%]"], _tolerances(result)),
         "\n### Indicators of the error\n",
         table(
             ["indicator", "rank correlation", "of logarithms", "covering", "exaggerates"],
             [
                 [c.name.replace("_", " "), f"{c.rank:.2f}", f"{c.linear:.2f}", f"{c.covering:.2g}", f"{c.excess:.1f}"]
-                for c in correlations(m for m in outcome.found if m.finished)
+                for c in correlations(m for m in result.found if m.finished)
             ],
         ),
-        f"\n`load_error_bound` holds in {_bounded(outcome):.0%} of the {len(_finished(outcome))} runs.",
+        f"\n`load_error_bound` holds in {_bounded(result):.0%} of the {len(_finished(result))} runs.",
         "\n### Places of cracks\n",
         table(
             ["specimen", "variation", "seeds", "same crack", "largest shift [mm]", "p"],
@@ -103,29 +103,29 @@ def _markdown(outcome: Outcome) -> str:
                     f"{1e3 * np.abs(place.adaptive - place.full).max():.1f}",
                     f"{place.probability:.2f}",
                 ]
-                for place in localisation(outcome.found)
-                if place.specimen in outcome.free and place.variation == "default"
+                for place in localisation(result.found)
+                if place.specimen in result.free and place.variation == "default"
             ],
         ),
         "\n### Runs beyond their limits, at the defaults\n",
-        _beyond(outcome),
+        _beyond(result),
     ]
     return "\n".join(parts)
 
 
-def _finished(outcome: Outcome) -> list[Measures]:
-    return [m for m in outcome.found if m.compared and m.finished]
+def _finished(result: StudyResult) -> list[Measures]:
+    return [m for m in result.found if m.compared and m.finished]
 
 
-def _varied(outcome: Outcome) -> list[list[str]]:
-    base = {(m.specimen, m.seed): m for m in outcome.of(variation="default") if m.compared}
+def _varied(result: StudyResult) -> list[list[str]]:
+    base = {(m.specimen, m.seed): m for m in result.of(variation="default") if m.compared}
     rows = []
-    for variation in outcome.plan.variations:
-        runs = outcome.of(variation=variation.name)
+    for variation in result.study.variations:
+        runs = result.of(variation=variation.name)
         pairs = [(m, base[m.specimen, m.seed]) for m in runs if m.compared and (m.specimen, m.seed) in base]
         if not pairs:
             continue
-        right = sum(m.compared and not fails(m, outcome.specimen(m.specimen).limits) for m in runs)
+        right = sum(m.compared and not fails(m, result.specimen(m.specimen).limits) for m in runs)
         rows.append(
             [
                 variation.name,
@@ -144,16 +144,16 @@ def _pair(values: Sequence[float]) -> str:
     return f"{median(values):.2f} ({max(values):.2f})"
 
 
-def _kept(outcome: Outcome, name: str, tolerance: float) -> tuple[int, list[float]]:
+def _kept(result: StudyResult, name: str, tolerance: float) -> tuple[int, list[float]]:
     """Runs that keep a tolerance, and the errors of all."""
-    errors = [m.load for m in outcome.of(variation=name) if m.compared]
+    errors = [m.load for m in result.of(variation=name) if m.compared]
     return sum(error <= tolerance for error in errors), errors
 
 
-def _tolerances(outcome: Outcome) -> list[list[str]]:
+def _tolerances(result: StudyResult) -> list[list[str]]:
     rows = []
     for name, tolerance in TOLERANCES.items():
-        kept, errors = _kept(outcome, name, tolerance)
+        kept, errors = _kept(result, name, tolerance)
         if errors:
             quantile = float(np.quantile(errors, WANTED, method="higher"))
             rows.append(
@@ -168,15 +168,15 @@ def _tolerances(outcome: Outcome) -> list[list[str]]:
     return rows
 
 
-def _bounded(outcome: Outcome) -> float:
+def _bounded(result: StudyResult) -> float:
     """Share of all runs whose error is below the bound that they report."""
-    return float(np.mean([m.load <= m.bound for m in _finished(outcome)]))
+    return float(np.mean([m.load <= m.bound for m in _finished(result)]))
 
 
-def _beyond(outcome: Outcome) -> str:
+def _beyond(result: StudyResult) -> str:
     rows = []
-    for m in outcome.of(variation="default"):
-        missed = fails(m, outcome.specimen(m.specimen).limits) if m.compared else [m.end]
+    for m in result.of(variation="default"):
+        missed = fails(m, result.specimen(m.specimen).limits) if m.compared else [m.end]
         if missed:
             rows.append([m.specimen, f"{m.seed}", ", ".join(missed), f"{100 * m.overlap:.0f}", m.message or "-"])
     if not rows:
@@ -184,21 +184,21 @@ def _beyond(outcome: Outcome) -> str:
     return table(["specimen", "seed", "misses", "overlap [%]", "message"], rows)
 
 
-def _checks(outcome: Outcome) -> list[Check]:
+def _checks(result: StudyResult) -> list[Check]:
     checks = []
-    for entry in outcome.plan.specimens:
-        runs = [m for m in outcome.of([entry.name], "default") if m.compared]
+    for entry in result.study.specimens:
+        runs = [m for m in result.of([entry.name], "default") if m.compared]
         for key in ("load", "peak", "energy"):
             worst = max((abs(getattr(m, key)) for m in runs), default=float("nan"))
             checks.append(Check(f"{entry.name}, {key} [%]", 100 * worst, 100 * getattr(entry.limits, key)))
     for name, tolerance in TOLERANCES.items():
-        kept, errors = _kept(outcome, name, tolerance)
+        kept, errors = _kept(result, name, tolerance)
         if errors:
             share = 100 * kept / len(errors)
             checks.append(
                 Check(f"within a tolerance of {100 * tolerance:g} % [% of runs]", share, 100 * WANTED, at_least=True)
             )
-    checks.append(Check("within their bound [% of runs]", 100 * _bounded(outcome), 100 * WANTED, at_least=True))
+    checks.append(Check("within their bound [% of runs]", 100 * _bounded(result), 100 * WANTED, at_least=True))
     return checks
 
 

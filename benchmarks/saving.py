@@ -15,7 +15,7 @@ from typing import Any
 
 from common import ROOT, Check, Report, changed, difference, example, main, measured, options, say, table
 from fissura import Case
-from fissura.study.plan import load_plan
+from fissura.study.definition import load_study
 from whole_runs import run_apart
 
 #: Specimens and their seeds: large ones take minutes.
@@ -38,7 +38,7 @@ def case_of(name: str, seed: int) -> Case:
     """A specimen by its name."""
     if (ROOT / "examples" / f"{name}.toml").exists():
         return example(name, seed)
-    case = load_plan(ROOT / "benchmarks" / "study.toml").cases[name, "default"]
+    case = load_study(ROOT / "benchmarks" / "study.toml").cases[name, "default"]
     return changed(case, seed=seed, output={"vtk": 0, "measured": None})
 
 

@@ -36,7 +36,7 @@ from fissura.calibration.request import request_of
 from fissura.case import case_from_dict
 from fissura.cli import app
 from fissura.specimen import conditions_from_case, domain_from_case
-from fissura.study.plan import plan_from_dict
+from fissura.study.definition import study_from_dict
 
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "benchmarks"))
@@ -122,7 +122,7 @@ def test_toml_is_a_case_or_a_part_of_one(path: Path, block: Block) -> None:
     elif block.note == "calibration":
         request_of(tomllib.loads(block.text))
     elif block.note == "study":
-        plan_from_dict(tomllib.loads(block.text), ROOT / "benchmarks")
+        study_from_dict(tomllib.loads(block.text), ROOT / "benchmarks")
     elif block.note == "each line":
         for line in filter(None, block.text.splitlines()):
             check_case(tomllib.loads(line), places=False)

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from changes import TINY_BEAM
 from fissura import Case, InputError
 from fissura.case import case_from_dict, load_case
-from fissura.study.plan import load_plan
+from fissura.study.definition import load_study
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="kinds of files that Windows does not have")
@@ -32,7 +32,7 @@ def refusal(path: Path, read: Callable[[Path], Any] = load_case) -> InputError:
 
 
 @POSIX
-@pytest.mark.parametrize("read", [load_case, load_plan])
+@pytest.mark.parametrize("read", [load_case, load_study])
 def test_files_that_never_end_or_never_begin_are_not_read(tmp_path: Path, read: Callable[[Path], Any]) -> None:
     os.mkfifo(tmp_path / "pipe.toml")
     (tmp_path / "zero.toml").symlink_to("/dev/zero")
@@ -54,7 +54,7 @@ def test_files_too_large_for_tables_are_not_read(tmp_path: Path) -> None:
 def test_a_case_of_a_study_is_read_with_the_same_care(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text('specimens = [{ name = "a", case = "folder" }]')
     (tmp_path / "folder").mkdir()
-    error = refusal(tmp_path / "study.toml", load_plan)
+    error = refusal(tmp_path / "study.toml", load_study)
     assert error.key == "specimens[0].case"
     assert error.problem.endswith("folder: is a folder")
 

@@ -29,7 +29,7 @@ from fissura.case import load_case
 from fissura.case.units import show
 from fissura.simulation.loop import Simulation
 from fissura.simulation.memory import estimate_bodies, require_memory
-from fissura.study.plan import Plan, load_plan
+from fissura.study.definition import Study, load_study
 
 from .files import BAR, BEAM, PLATE, STUDY, base_files, npy
 from .mutate import Tables, mutated_bytes, mutated_tables, possible_tables, written, written_json
@@ -139,11 +139,11 @@ def _made(rng: random.Random, files: dict[str, bytes]) -> _Made:
         tables, touched = mutated_tables(rng, base, changes)
         text = written_json(tables) if kind == "json" else written(tables)
         name = "main.json" if kind == "json" else "main.toml"
-        read = load_plan if kind == "study" else load_case
+        read = load_study if kind == "study" else load_case
         return _Made(kind, name, text.encode("utf-8", "replace"), read, name, touched, frozenset(tables))
     if kind in ("case text", "study text"):
         base_text = (STUDY if kind == "study text" else rng.choice((BEAM, BAR, PLATE))).encode()
-        read = load_plan if kind == "study text" else load_case
+        read = load_study if kind == "study text" else load_case
         return _Made(kind, "main.toml", mutated_bytes(rng, base_text, changes), read, "main.toml")
     if kind == "measured":
         content = mutated_bytes(rng, files["measured.csv"], changes)
@@ -232,7 +232,7 @@ def _judged(error: InputError, made: _Made, folder: Path, *, reading: bool) -> s
         return ""
     match = re.match(r'"(?:[^"\\]|\\.)*"|[^.\[:( ]*', error.key)
     top = match[0] if match else ""
-    known = {*Case.model_fields, *Plan.model_fields, *made.keys, *map(show, made.keys)}
+    known = {*Case.model_fields, *Study.model_fields, *made.keys, *map(show, made.keys)}
     if top not in known and (made.keys or not reading):  # of mutated bytes nobody knows what keys they have
         return f"the message names no key of the file: {text}"
     touched = {*made.touched, *map(show, made.touched)}

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from fissura.results.curve import COLUMNS, columns
+from fissura.study.definition import FULL
 from fissura.study.indicators import OBSERVED
-from fissura.study.plan import FULL
 from fissura.study.record import Energies, Record
 
 CASE = """

@@ -2,15 +2,15 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from fissura.study.definition import Study
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
-from fissura.study.outcome import Outcome
 from fissura.study.pictures import draw
-from fissura.study.plan import Plan
 from fissura.study.report import markdown
+from fissura.study.result import StudyResult
 from fissura.study.style import few
 
-PLAN = Plan.model_validate(
+PLAN = Study.model_validate(
     {
         "name": "synthetic",
         "specimens": [
@@ -64,7 +64,7 @@ def outcome(seeds=6):
                         values | {"balance": 0.0},
                     )
                 )
-    return Outcome(PLAN, tuple(found), {entry.name: (seeds, 0) for entry in PLAN.specimens}, ("free1",), 4)
+    return StudyResult(PLAN, tuple(found), {entry.name: (seeds, 0) for entry in PLAN.specimens}, ("free1",), 4)
 
 
 def test_every_picture_is_drawn(tmp_path):
@@ -77,7 +77,7 @@ def test_every_picture_is_drawn(tmp_path):
 
 
 def test_nothing_is_drawn_of_nothing(tmp_path):
-    assert draw(Outcome(PLAN, (), {}, (), 0), tmp_path) == []
+    assert draw(StudyResult(PLAN, (), {}, (), 0), tmp_path) == []
 
 
 def test_markdown_has_every_table():

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fissura.study.definition import Limits
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
-from fissura.study.plan import Limits
 from fissura.study.statistics import correlations, fails, localisation, pareto, spread, twins
 
 

@@ -18,10 +18,10 @@ from fissura.errors import InputError
 from fissura.machine.kernel_threads import KernelThreads
 from fissura.machine.threads import VARIABLE
 from fissura.study import runner
-from fissura.study.plan import FULL, load_plan, plan_from_dict
+from fissura.study.definition import FULL, load_study, study_from_dict
 from fissura.study.progress import StudyProgress
 from fissura.study.record import Record
-from fissura.study.runner import run_study, write_outcome
+from fissura.study.runner import run_study, write_result
 
 from .models import STUDY, write_study
 
@@ -48,7 +48,7 @@ def finished(tmp_path_factory):
     """A study that has run to its end: the plan's file, its folder, its outcome, and what was told on the way."""
     folder = tmp_path_factory.mktemp("study")
     path, done = write_study(folder, REFUSED), []
-    outcome = run_study(load_plan(path), folder / "out", on_done=lambda *told: done.append(told))
+    outcome = run_study(load_study(path), folder / "out", on_done=lambda *told: done.append(told))
     return path, folder / "out", outcome, done
 
 
@@ -56,7 +56,7 @@ def test_every_run_is_saved_and_told(finished):
     path, folder, outcome, done = finished
     assert names(done) == [FULL, "default", "gone"]
     assert [left for _, _, left in done] == [2, 1, 0]
-    assert all((folder / task.path).exists() for task in load_plan(path).tasks())
+    assert all((folder / task.path).exists() for task in load_study(path).tasks())
     assert outcome.left == 0
 
 
@@ -69,16 +69,16 @@ def test_failures_are_kept_and_counted(finished):
     assert "adaptivity.criterion" in bad.message
     kept = Record.load(folder / "runs" / "beam" / "seed0001" / "gone.npz")
     assert (kept.status, kept.steps) == ("refused", 0)
-    text = (write_outcome(outcome, folder), (folder / "study.md").read_text())[1]
+    text = (write_result(outcome, folder), (folder / "study.md").read_text())[1]
     assert "2 adaptive runs, 1 of which did not finish" in text
     assert "adaptive refused, full target" in text
 
 
 def test_what_is_done_is_not_run_again(finished):
     path, folder, first, _ = finished
-    again = run_study(load_plan(path), folder, on_done=lambda *_: pytest.fail("was run again"))
+    again = run_study(load_study(path), folder, on_done=lambda *_: pytest.fail("was run again"))
     assert [m.row() for m in again.found if m.compared] == [m.row() for m in first.found if m.compared]
-    shown = run_study(load_plan(path), folder, again=["default"], run=False)
+    shown = run_study(load_study(path), folder, again=["default"], run=False)
     assert (len(shown.found), shown.left) == (1, 1)
 
 
@@ -89,22 +89,22 @@ def test_only_what_changed_is_run_again(finished, tmp_path):
         (REFUSED.replace("seeds = [1]", "seeds = [1, 2]"), [FULL, "default", "gone"]),
         (REFUSED, []),
     ):
-        changed = load_plan(write_study(tmp_path, text))
+        changed = load_study(write_study(tmp_path, text))
         left = []
         module = import_module("fissura.study.store")
         left = [task.variation for task in module.split(changed.tasks(), folder)[1]]
         assert left == expected
     module = import_module("fissura.study.store")
-    tasks = list(load_plan(path).tasks())
+    tasks = list(load_study(path).tasks())
     assert [t.variation for t in module.split(tasks, folder, ["failures"])[1]] == ["gone"]
     assert [t.variation for t in module.split(tasks, folder, [FULL])[1]] == [FULL]
     with pytest.raises(InputError, match="'defualt' is not known"):
-        run_study(load_plan(path), folder, again=["defualt"])
+        run_study(load_study(path), folder, again=["defualt"])
 
 
 def test_tables(finished):
     _, folder, outcome, _ = finished
-    paths = write_outcome(outcome, folder)
+    paths = write_result(outcome, folder)
     assert {path.name for path in paths} >= {"runs.csv", "study.md", "errors.png"}
     with (folder / "runs.csv").open() as file:
         good, bad = csv.DictReader(file)
@@ -115,8 +115,8 @@ def test_tables(finished):
 
 
 def test_an_interrupted_study_goes_on(tmp_path, caplog):
-    plan = load_plan(write_study(tmp_path, ONE))
-    plan = plan_from_dict({**plan.plan.model_dump(), "variations": [{"name": "default"}]}, tmp_path)
+    plan = load_study(write_study(tmp_path, ONE))
+    plan = study_from_dict({**plan.study.model_dump(), "variations": [{"name": "default"}]}, tmp_path)
 
     def interrupt(task, record, left):
         raise KeyboardInterrupt
@@ -145,8 +145,8 @@ def test_an_unexpected_error_fails_one_run_only(tmp_path, monkeypatch):
 
     monkeypatch.setattr(runner, "warm_up", lambda: None)
     monkeypatch.setattr(module, "Simulation", Broken)
-    plan = load_plan(write_study(tmp_path, ONE))
-    plan = plan_from_dict({**plan.plan.model_dump(), "variations": [{"name": "default"}]}, tmp_path)
+    plan = load_study(write_study(tmp_path, ONE))
+    plan = study_from_dict({**plan.study.model_dump(), "variations": [{"name": "default"}]}, tmp_path)
     (found,) = run_study(plan, tmp_path / "out").found
     assert (found.end, found.end_full) == ("failed", "target")
     assert found.message == "ZeroDivisionError: nobody thought of this"
@@ -165,7 +165,7 @@ def test_processes_use_one_thread_unless_told_otherwise(tmp_path, monkeypatch, e
         monkeypatch.setenv(VARIABLE, environment)
     monkeypatch.setattr(import_module("fissura.batch.computing"), "computed", start)
     with pytest.raises(StartedError) as caught:
-        run_study(load_plan(write_study(tmp_path, ONE)), tmp_path / "out", workers=2)
+        run_study(load_study(write_study(tmp_path, ONE)), tmp_path / "out", workers=2)
     assert caught.value.args == (expected,)
     assert os.environ.get(VARIABLE) == environment
 
@@ -184,8 +184,8 @@ def nothing():
 def test_a_process_that_dies_costs_its_run_only(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "execute", die_at_full_resolution)
     monkeypatch.setattr(runner, "warm_up", nothing)
-    monkeypatch.setattr(runner, "outcome_of", lambda *_: None)
-    plan, told = load_plan(write_study(tmp_path, REFUSED)), []
+    monkeypatch.setattr(runner.StudyResult, "comparing", lambda *_: None)
+    plan, told = load_study(write_study(tmp_path, REFUSED)), []
     run_study(plan, tmp_path / "out", workers=2, on_done=lambda *of: told.append(of))
     assert {task.variation: record.message for task, record, _ in told} == {
         FULL: "the processes that computed it died, perhaps for lack of memory",
@@ -203,8 +203,8 @@ def test_a_cluster_runs_them_too(tmp_path, monkeypatch):
     prepared = []
     monkeypatch.setattr(runner, "execute", tried)
     monkeypatch.setattr(runner, "warm_up", lambda: prepared.append(True))
-    monkeypatch.setattr(runner, "outcome_of", lambda *_: None)
-    plan, told = load_plan(write_study(tmp_path, REFUSED)), []
+    monkeypatch.setattr(runner.StudyResult, "comparing", lambda *_: None)
+    plan, told = load_study(write_study(tmp_path, REFUSED)), []
     with LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None) as cluster:
         run_study(plan, tmp_path / "out", scheduler=cluster, on_done=lambda *of: told.append(of))
     assert {(task.variation, record.message) for task, record, _ in told} == {
@@ -218,7 +218,7 @@ def test_a_cluster_runs_them_too(tmp_path, monkeypatch):
 
 def test_more_workers_than_the_machine_can_run_are_refused(study, tmp_path):
     with pytest.raises(InputError, match="--workers: 1000000 is not possible with"):
-        run_study(load_plan(study), tmp_path / "out", workers=1_000_000)
+        run_study(load_study(study), tmp_path / "out", workers=1_000_000)
 
 
 # The command
@@ -275,7 +275,7 @@ def test_command_shows_how_far_it_is(tmp_path, monkeypatch):
     done = call(path, "--output", tmp_path / "out")
     assert done.exit_code == 0, done.output
     lines = done.stderr.splitlines()
-    name = load_plan(path).plan.name
+    name = load_study(path).study.name
     assert lines[0] == f"{name}: 3 runs"
     assert any(line.startswith("beam, seed 1, gone: refused: adaptivity.criterion") for line in lines)
     assert lines[-1].startswith("3 of 3 runs, 1 refused, ")
@@ -289,7 +289,7 @@ def test_command_shows_how_far_it_is(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("terminal", [False, True])
 def test_progress_estimates_the_time_left(study, monkeypatch, terminal):
-    now, plan = [100.0], load_plan(study)
+    now, plan = [100.0], load_study(study)
     monkeypatch.setattr("fissura.progress.live.time.monotonic", lambda: now[0])
     console = Console(width=200, record=True, file=io.StringIO(), force_terminal=terminal)
     tasks = list(plan.tasks())
@@ -302,7 +302,7 @@ def test_progress_estimates_the_time_left(study, monkeypatch, terminal):
             summary = {"wall_s": 12.0} if status == "finished" else {}
             progress.done(task, Record(task.specimen, task.seed, task.variation, {}, status, message, summary), 0)
     text = console.export_text()
-    assert f"{plan.plan.name}: 6 runs, 1 of them there already" in text
+    assert f"{plan.study.name}: 6 runs, 1 of them there already" in text
     assert f"{tasks[1]}: failed: Oops: why" in text
     assert "3 of 6 runs" in text
     assert "1 failed, 1:00 min elapsed, about 1:30 min left" in text
@@ -350,7 +350,7 @@ def test_a_variation_may_be_renamed(finished, tmp_path):
     record.rename(record.with_name("other.npz"))
     renamed = path.with_name("renamed.toml")
     renamed.write_text(path.read_text().replace('name = "default"', 'name = "other"'))
-    again = run_study(load_plan(renamed), copy, run=False)
+    again = run_study(load_study(renamed), copy, run=False)
     assert again.left == 0
     assert {m.variation for m in again.found} == {"other", "gone"}
     assert [m.load for m in again.found if m.compared] == [m.load for m in first.found if m.compared]

@@ -36,9 +36,9 @@ def study(
     """
     folder = output if output is not None else Path("results") / plan.stem
     with errors(), interruptible(say):
-        from fissura.study.plan import load_plan
+        from fissura.study.definition import load_study
         from fissura.study.progress import StudyProgress
-        from fissura.study.runner import run_study, write_outcome
+        from fissura.study.runner import run_study, write_result
 
         console = Console(stderr=True)
         progress = None if quiet else StudyProgress(console)
@@ -46,7 +46,7 @@ def study(
         with resumable:
             with warnings(console, quiet=quiet), progress or nullcontext():
                 found = run_study(
-                    load_plan(plan),
+                    load_study(plan),
                     folder,
                     workers=workers,
                     scheduler=scheduler,
@@ -55,7 +55,7 @@ def study(
                     on_start=resumable.beginning(progress.start if progress else None),
                     on_done=progress.done if progress else None,
                 )
-            files = write_outcome(found, folder)
+            files = write_result(found, folder)
         early = sum(not m.finished for m in found.found)
         print_table(
             [

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from fissura.results.curve import Row
     from fissura.simulation.state import State
     from fissura.simulation.step import Step
-    from fissura.study.plan import Task
+    from fissura.study.definition import Task
 
 __all__ = ["execute", "failed", "warm_up"]
 
@@ -107,7 +107,7 @@ def execute(task: Task) -> Record:
 def warm_up() -> None:
     """Load all kernels, so that the first run of a process is not charged with it."""
     from fissura.case import case_from_dict
-    from fissura.study.plan import FULL, Task
+    from fissura.study.definition import FULL, Task
 
     beam: dict[str, Any] = {
         "specimen": {"size": [0.14, 0.04, 0.02]},

@@ -17,7 +17,7 @@ from fissura.pictures.curves import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
 from fissura.pictures.lettering import legend_below, literal, may_shrink, save
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
-from fissura.study.outcome import Outcome
+from fissura.study.result import StudyResult
 from fissura.study.statistics import correlations, localisation, pareto, spread, twins
 from fissura.study.style import COLOURS, FLOOR, MARKERS, SOFT, few, plain
 
@@ -27,18 +27,18 @@ PICTURES = ("tradeoff.png", "errors.png", "indicators.png", "places.png")
 """Names of the files."""
 
 
-def draw(outcome: Outcome, folder: Path) -> list[Path]:
+def draw(result: StudyResult, folder: Path) -> list[Path]:
     """Draw every picture for which there are runs, and that can be drawn; returns what was written."""
     folder.mkdir(parents=True, exist_ok=True)
     plots = (plot_tradeoff, plot_errors, plot_indicators, plot_places)
     return [
         folder / name
         for plot, name in zip(plots, PICTURES, strict=True)
-        if attempted(name, partial(plot, outcome, folder / name))
+        if attempted(name, partial(plot, result, folder / name))
     ]
 
 
-def plot_tradeoff(outcome: Outcome, path: Path) -> bool:
+def plot_tradeoff(result: StudyResult, path: Path) -> bool:
     """Error against saving, a panel for each type of specimen and a marker for each variation.
 
     Full markers are medians, hollow ones the worst of the runs; lines are Pareto fronts. Only specimens and seeds count
@@ -49,11 +49,11 @@ def plot_tradeoff(outcome: Outcome, path: Path) -> bool:
     bool
         Whether there was anything to draw.
     """
-    panels = {name: twins(outcome.of(specimens)) for name, specimens in outcome.types().items()}
+    panels = {name: twins(result.of(specimens)) for name, specimens in result.types().items()}
     panels = {name: found for name, found in panels.items() if found}
     if not panels:
         return False
-    names = [v.name for v in outcome.plan.variations if any(m.variation == v.name for f in panels.values() for m in f)]
+    names = [v.name for v in result.study.variations if any(m.variation == v.name for f in panels.values() for m in f)]
     look = {name: (COLOURS[k % len(COLOURS)], MARKERS[k % len(MARKERS)]) for k, name in enumerate(names)}
     columns = min(len(panels), 2)
     rows = math.ceil(len(panels) / columns)
@@ -63,7 +63,7 @@ def plot_tradeoff(outcome: Outcome, path: Path) -> bool:
         _tradeoff(axes, found, names, look)
         seeds = len({(m.specimen, m.seed) for m in found})
         headline(axes, title, "1 specimen" if seeds == 1 else f"{seeds} specimens")
-        limits = {outcome.specimen(m.specimen).limits.load for m in found}
+        limits = {result.specimen(m.specimen).limits.load for m in found}
         for limit in limits:
             axes.axhline(100 * limit, color=GREY, linewidth=1.0, zorder=1)
             axes.annotate(
@@ -122,7 +122,7 @@ def _tradeoff(axes: Axes, found: Sequence[Measures], names: Sequence[str], look:
     tidy(axes)
 
 
-def plot_errors(outcome: Outcome, path: Path) -> bool:
+def plot_errors(result: StudyResult, path: Path) -> bool:
     """Errors of the first variation by specimen: a dot for each seed, beyond the limits in orange.
 
     Returns
@@ -130,17 +130,17 @@ def plot_errors(outcome: Outcome, path: Path) -> bool:
     bool
         Whether there was anything to draw.
     """
-    found = [m for m in outcome.of(variation=outcome.plan.variations[0].name) if m.compared]
+    found = [m for m in result.of(variation=result.study.variations[0].name) if m.compared]
     if not found:
         return False
-    names = [entry.name for entry in outcome.plan.specimens if any(m.specimen == entry.name for m in found)]
+    names = [entry.name for entry in result.study.specimens if any(m.specimen == entry.name for m in found)]
     figure = Figure(figsize=(9.0, 1.3 + 0.36 * len(names)), layout="constrained")
     grid = figure.subplots(1, 3, sharey=True)
     for axes, (key, title) in zip(
         grid, (("load", "largest load difference"), ("peak", "peak load"), ("energy", "dissipated energy")), strict=True
     ):
         for row, name in enumerate(names):
-            limit = 100 * getattr(outcome.specimen(name).limits, key)
+            limit = 100 * getattr(result.specimen(name).limits, key)
             runs = [m for m in found if m.specimen == name]
             errors = np.array([max(100 * abs(getattr(m, key)), FLOOR) for m in runs])
             right = errors <= limit
@@ -163,7 +163,7 @@ def plot_errors(outcome: Outcome, path: Path) -> bool:
     return True
 
 
-def plot_indicators(outcome: Outcome, path: Path) -> bool:
+def plot_indicators(result: StudyResult, path: Path) -> bool:
     """True error against every indicator, all runs; the line is the bound that covers 95 % of them.
 
     Returns
@@ -171,10 +171,10 @@ def plot_indicators(outcome: Outcome, path: Path) -> bool:
     bool
         Whether there was anything to draw.
     """
-    found = [m for m in outcome.found if m.compared and m.indicators]
+    found = [m for m in result.found if m.compared and m.indicators]
     if len(found) < 3:
         return False
-    types = outcome.types()
+    types = result.types()
     across = 3
     rows = -(-len(INDICATORS) // across)
     figure = Figure(figsize=(8.4, 2.6 * rows), layout="constrained")
@@ -225,7 +225,7 @@ def plot_indicators(outcome: Outcome, path: Path) -> bool:
     return True
 
 
-def plot_places(outcome: Outcome, path: Path) -> bool:
+def plot_places(result: StudyResult, path: Path) -> bool:
     """Position of the crack, adaptive over full, of specimens without a notch; first variation.
 
     Returns
@@ -233,8 +233,8 @@ def plot_places(outcome: Outcome, path: Path) -> bool:
     bool
         Whether there was anything to draw.
     """
-    variation = outcome.plan.variations[0].name
-    tests = localisation(outcome.of(outcome.free, variation))
+    variation = result.study.variations[0].name
+    tests = localisation(result.of(result.free, variation))
     if not tests:
         return False
     columns = min(len(tests), 2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fissura.batch.progress import ManyProgress
 from fissura.progress.live import duration
-from fissura.study.plan import LoadedPlan, Task
+from fissura.study.definition import LoadedStudy, Task
 from fissura.study.record import Record
 
 __all__ = ["StudyProgress"]
@@ -17,9 +17,9 @@ class StudyProgress(ManyProgress):
     guess of what is left.
     """
 
-    def start(self, plan: LoadedPlan, missing: int, there: int) -> None:
+    def start(self, loaded: LoadedStudy, missing: int, there: int) -> None:
         """Say what is about to run."""
-        self.begin(f"{plan.plan.name}: {missing + there} runs", missing, there, "loading kernels")
+        self.begin(f"{loaded.study.name}: {missing + there} runs", missing, there, "loading kernels")
 
     def done(self, task: Task, record: Record, left: int) -> None:
         """Show a run that has ended; `left` is how many are left."""

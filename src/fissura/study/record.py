@@ -64,7 +64,7 @@ class Record:
     Attributes
     ----------
     specimen, variation : str
-        What was run; see `fissura.study.plan.Task`.
+        What was run; see `fissura.study.definition.Task`.
     seed : int
     case : dict
         The case with all defaults, as in ``case.json``.

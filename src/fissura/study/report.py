@@ -1,4 +1,4 @@
-"""The outcome of a study as tables: every run as CSV, what they say together as Markdown."""
+"""The result of a study as tables: every run as CSV, what they say together as Markdown."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 
 from fissura.files.atomic import write_atomically
 from fissura.study.measures import Measures
-from fissura.study.outcome import Outcome
+from fissura.study.result import StudyResult
 from fissura.study.statistics import correlations, fails, localisation, spread
 
 __all__ = ["markdown", "summary_rows", "write_tables"]
@@ -59,12 +59,12 @@ distribution; below 0.05, refinement would have drawn the cracks elsewhere.
 """
 
 
-def write_tables(outcome: Outcome, folder: Path) -> list[Path]:
+def write_tables(result: StudyResult, folder: Path) -> list[Path]:
     """Write ``runs.csv`` and ``study.md``; returns what was written."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / "runs.csv", folder / "study.md"]
-    write_atomically(paths[0], _csv(outcome.found).encode())
-    write_atomically(paths[1], markdown(outcome).encode())
+    write_atomically(paths[0], _csv(result.found).encode())
+    write_atomically(paths[1], markdown(result).encode())
     return paths
 
 
@@ -84,19 +84,19 @@ def _cell(value: Any) -> Any:
     return value
 
 
-def summary_rows(outcome: Outcome, found: Sequence[Measures]) -> list[dict[str, str]]:
+def summary_rows(result: StudyResult, found: Sequence[Measures]) -> list[dict[str, str]]:
     """Rows of the table: for each specimen and variation the values of `COLUMNS` as text, and ``name``."""
     groups: dict[tuple[str, str], list[Measures]] = {}
     for m in found:
         groups.setdefault((m.variation, m.specimen), []).append(m)
     return [
-        {"variation": variation, "specimen": specimen, **_summary(outcome, specimen, runs)}
+        {"variation": variation, "specimen": specimen, **_summary(result, specimen, runs)}
         for (variation, specimen), runs in groups.items()
     ]
 
 
-def _summary(outcome: Outcome, specimen: str, runs: list[Measures]) -> dict[str, str]:
-    limits = outcome.specimen(specimen).limits
+def _summary(result: StudyResult, specimen: str, runs: list[Measures]) -> dict[str, str]:
+    limits = result.specimen(specimen).limits
     usable = [m for m in runs if m.compared]
     ends = [m.end for m in runs if m.end != "target"]
 
@@ -130,19 +130,19 @@ def _summary(outcome: Outcome, specimen: str, runs: list[Measures]) -> dict[str,
     }
 
 
-def markdown(outcome: Outcome) -> str:
+def markdown(result: StudyResult) -> str:
     """Every table of a study, as one page."""
-    parts = [f"# {' '.join(outcome.plan.name.split())}", _progress(outcome), TEXT]
-    for variation in outcome.plan.variations:
-        rows = summary_rows(outcome, outcome.of(variation=variation.name))
+    parts = [f"# {' '.join(result.study.name.split())}", _progress(result), TEXT]
+    for variation in result.study.variations:
+        rows = summary_rows(result, result.of(variation=variation.name))
         if rows:
             heads = ["specimen", *(head for _, head in COLUMNS)]
             lines = [[row["specimen"], *(row[key] for key, _ in COLUMNS)] for row in rows]
             parts += [f"## {variation.name}{_changes(variation.change)}", table(heads, lines)]
-    parts += ["## Runs beyond the limits", _failures(outcome)]
-    parts += ["## Indicators of the error", _ESTIMATES, _correlations(outcome)]
-    if outcome.free:
-        parts += ["## Places of cracks", _PLACES, _places(outcome)]
+    parts += ["## Runs beyond the limits", _failures(result)]
+    parts += ["## Indicators of the error", _ESTIMATES, _correlations(result)]
+    if result.free:
+        parts += ["## Places of cracks", _PLACES, _places(result)]
     return "\n\n".join(part.strip() for part in parts) + "\n"
 
 
@@ -157,12 +157,12 @@ def _in_a_cell(text: str) -> str:
     return " ".join(text.split()).replace("|", "\\|")
 
 
-def _progress(outcome: Outcome) -> str:
+def _progress(result: StudyResult) -> str:
     """How many runs there are, and how they ended."""
-    adaptive = len(outcome.found)
-    early = sum(m.end not in ("target", "load") for m in outcome.found)
-    full, broken = (sum(counts[k] for counts in outcome.full.values()) for k in (0, 1))
-    left = f" {outcome.left} runs are still to be done." if outcome.left else ""
+    adaptive = len(result.found)
+    early = sum(m.end not in ("target", "load") for m in result.found)
+    full, broken = (sum(counts[k] for counts in result.full.values()) for k in (0, 1))
+    left = f" {result.left} runs are still to be done." if result.left else ""
     return (
         f"{adaptive} adaptive runs, {early} of which did not finish, against {full} runs at full resolution, {broken}"
         f" of which did not finish.{left}"
@@ -178,10 +178,10 @@ def _changes(change: dict[str, Any], prefix: str = "") -> str:
     return f": {text}" if text and not prefix else text
 
 
-def _failures(outcome: Outcome) -> str:
+def _failures(result: StudyResult) -> str:
     lines = []
-    for m in outcome.found:
-        missed = fails(m, outcome.specimen(m.specimen).limits)
+    for m in result.found:
+        missed = fails(m, result.specimen(m.specimen).limits)
         if missed:
             used = (m.indicators or {}).get("utilisation", math.nan)
             where = "-" if not m.compared else f"{100 * abs(m.at):.0f} % {'before' if m.at < 0 else 'after'}"
@@ -213,11 +213,11 @@ def _failures(outcome: Outcome) -> str:
     return table(heads, lines)
 
 
-def _correlations(outcome: Outcome) -> str:
+def _correlations(result: StudyResult) -> str:
     blocks = []
-    groups = {"all": [entry.name for entry in outcome.plan.specimens], **outcome.types()}
+    groups = {"all": [entry.name for entry in result.study.specimens], **result.types()}
     for name, specimens in groups.items():
-        found = [m for m in outcome.of(specimens) if m.compared]
+        found = [m for m in result.of(specimens) if m.compared]
         if len(found) < 3:
             continue
         lines = [
@@ -235,7 +235,7 @@ def _correlations(outcome: Outcome) -> str:
     return "\n\n".join(blocks) or "Too few runs."
 
 
-def _places(outcome: Outcome) -> str:
+def _places(result: StudyResult) -> str:
     lines = [
         [
             f"{t.variation}",
@@ -246,7 +246,7 @@ def _places(outcome: Outcome) -> str:
             f"{t.statistic:.2f}",
             f"{t.probability:.2f}",
         ]
-        for t in localisation(outcome.of(outcome.free))
+        for t in localisation(result.of(result.free))
     ]
     heads = ["variation", "specimen", "seeds", "same crack", "farthest apart [mm]", "statistic", "p"]
     return table(heads, lines) if lines else "Too few runs."

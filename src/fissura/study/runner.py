@@ -12,33 +12,33 @@ from fissura.batch.computing import compute_all
 from fissura.batch.machines import Machines, require_packages
 from fissura.files.folder import Folder, prepare_folder
 from fissura.kernels import prepare_cache
+from fissura.study.definition import LoadedStudy, Task
 from fissura.study.execute import execute, failed, warm_up
-from fissura.study.outcome import Outcome, outcome_of
 from fissura.study.pictures import PICTURES, draw
-from fissura.study.plan import LoadedPlan, Task
 from fissura.study.record import Record
 from fissura.study.report import write_tables
+from fissura.study.result import StudyResult
 from fissura.study.store import check_names, split
 
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["run_study", "write_outcome"]
+__all__ = ["run_study", "write_result"]
 
 Told = Callable[[Task, Record, int], None]
 
 
 def run_study(
-    plan: LoadedPlan,
+    loaded: LoadedStudy,
     folder: str | Path,
     *,
     workers: int | None = None,
     scheduler: str | Cluster | None = None,
     again: Collection[str] = (),
     run: bool = True,
-    on_start: Callable[[LoadedPlan, int, int], None] | None = None,
+    on_start: Callable[[LoadedStudy, int, int], None] | None = None,
     on_done: Told | None = None,
-) -> Outcome:
+) -> StudyResult:
     """Run what is left to do of a study, and compare all there is.
 
     A run is done when the folder has a record of the very same case; runs at full resolution do not depend on
@@ -46,7 +46,7 @@ def run_study(
 
     Parameters
     ----------
-    plan : LoadedPlan
+    loaded : LoadedStudy
         The study.
     folder : path
         Where records are kept; made if needed. It may hold nothing else.
@@ -60,7 +60,7 @@ def run_study(
     run : bool, optional
         False only compares what was done before.
     on_start : callable, optional
-        Told before the first run: the plan, the number of runs to do, and of those done before.
+        Told before the first run: the study, the number of runs to do, and of those done before.
     on_done : callable, optional
         Told of every run that was saved, and how many are left.
 
@@ -75,22 +75,22 @@ def run_study(
     """
     require_packages("fissura study", scheduler)
     machines = Machines(workers, 1, scheduler)
-    check_names(plan, again)
+    check_names(loaded, again)
     if scheduler is not None:
         check_scheduler(scheduler)
     folder = prepare_folder(folder, "study", go_on=True)
     own = Folder.kept(folder, "study")
-    tasks = list(plan.tasks())
+    tasks = list(loaded.tasks())
     done, left = split(tasks, folder, again)
     if run and left:
         if on_start is not None:
-            on_start(plan, len(left), len(done))
+            on_start(loaded, len(left), len(done))
         own.add(*(task.path.as_posix() for task in left))
         for task in left:  # what is to be run again must not count as done after an interruption
             (folder / task.path).unlink(missing_ok=True)
         _compute(left, folder, machines, on_done)
         done, left = split(tasks, folder)
-    return outcome_of(plan.plan, done, len(left))
+    return StudyResult.comparing(loaded.study, done, len(left))
 
 
 def _compute(tasks: Sequence[Task], folder: Path, machines: Machines, on_done: Told | None) -> None:
@@ -115,7 +115,7 @@ def _compute(tasks: Sequence[Task], folder: Path, machines: Machines, on_done: T
     compute_all(execute, tasks, len(tasks), machines, failed=failed, keep=keep, prepare=warm_up)
 
 
-def write_outcome(outcome: Outcome, folder: str | Path) -> list[Path]:
+def write_result(result: StudyResult, folder: str | Path) -> list[Path]:
     """Write tables and pictures of a study; returns the files.
 
     Raises
@@ -125,4 +125,4 @@ def write_outcome(outcome: Outcome, folder: str | Path) -> list[Path]:
     """
     folder = prepare_folder(folder, "study", go_on=True)
     Folder.kept(folder, "study").add("runs.csv", "study.md", *PICTURES)
-    return [*write_tables(outcome, folder), *draw(outcome, folder)]
+    return [*write_tables(result, folder), *draw(result, folder)]

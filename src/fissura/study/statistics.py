@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.study.definition import Limits
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
-from fissura.study.plan import Limits
 
 __all__ = [
     "SAME_CRACK",

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from fissura.errors import InputError
-from fissura.study.plan import FULL, LoadedPlan, Task
+from fissura.study.definition import FULL, LoadedStudy, Task
 from fissura.study.record import Record, case_text
 
 __all__ = ["FAILURES", "check_names", "recorded", "split"]
@@ -62,14 +62,14 @@ def split(
     return done, left
 
 
-def check_names(plan: LoadedPlan, again: Collection[str]) -> None:
+def check_names(loaded: LoadedStudy, again: Collection[str]) -> None:
     """Refuse names of variations that the study does not have.
 
     Raises
     ------
     InputError
     """
-    known = [*(variation.name for variation in plan.plan.variations), FULL, FAILURES]
+    known = [*(variation.name for variation in loaded.study.variations), FULL, FAILURES]
     for name in again:
         if name not in known:
             raise InputError("--again", f"{name!r} is not known", ", ".join(known))

@@ -2,9 +2,9 @@ from pathlib import Path
 
 import pytest
 
-import fissura.study.plan as module
+import fissura.study.definition as module
 from fissura.errors import InputError
-from fissura.study.plan import FULL, load_plan, merged
+from fissura.study.definition import FULL, load_study, merged
 
 from .models import STUDY, write_study
 
@@ -12,7 +12,7 @@ BENCHMARK = Path(__file__).parents[2] / "benchmarks" / "study.toml"
 
 
 def test_tasks_are_the_seeds_that_specimen_and_variation_share(study):
-    tasks = [(t.seed, t.specimen, t.variation) for t in load_plan(study).tasks()]
+    tasks = [(t.seed, t.specimen, t.variation) for t in load_study(study).tasks()]
     assert tasks == [
         (1, "beam", FULL),
         (1, "beam", "default"),
@@ -25,7 +25,7 @@ def test_tasks_are_the_seeds_that_specimen_and_variation_share(study):
 
 
 def test_changes_arrive_in_the_cases(study):
-    plan = load_plan(study)
+    plan = load_study(study)
     assert plan.cases["deep", "wide"].notch[0].depth == 0.025
     assert plan.cases["deep", "wide"].adaptivity.r_f == 0.02
     assert plan.cases["beam", "default"].notch[0].depth == 0.02
@@ -36,12 +36,12 @@ def test_changes_arrive_in_the_cases(study):
 
 def test_a_study_without_variations_has_the_default_one(tmp_path):
     text = STUDY.split("[[variations]]")[0]
-    assert {t.variation for t in load_plan(write_study(tmp_path, text)).tasks()} == {FULL, "default"}
+    assert {t.variation for t in load_study(write_study(tmp_path, text)).tasks()} == {FULL, "default"}
 
 
 def test_no_run_at_full_resolution_without_one_to_compare(tmp_path):
     text = STUDY.replace('[[variations]]\nname = "default"\n', "")
-    assert {(t.specimen, t.seed) for t in load_plan(write_study(tmp_path, text)).tasks()} == {("beam", 2)}
+    assert {(t.specimen, t.seed) for t in load_study(write_study(tmp_path, text)).tasks()} == {("beam", 2)}
 
 
 def test_merged_changes_tables_key_by_key_and_replaces_all_else():
@@ -75,7 +75,7 @@ def test_merged_changes_tables_key_by_key_and_replaces_all_else():
 def test_errors_name_the_key(tmp_path, old, new, key, said):
     assert old in STUDY
     with pytest.raises(InputError) as caught:
-        load_plan(write_study(tmp_path, STUDY.replace(old, new)))
+        load_study(write_study(tmp_path, STUDY.replace(old, new)))
     assert caught.value.key == key
     assert said in str(caught.value)
 
@@ -98,18 +98,18 @@ def many(count):
 )
 def test_a_study_that_never_ends_is_refused(tmp_path, old, new, key):
     with pytest.raises(InputError, match=r"at most 10+ (runs|cases)") as caught:
-        load_plan(write_study(tmp_path, STUDY.replace(old, new, 1)))
+        load_study(write_study(tmp_path, STUDY.replace(old, new, 1)))
     assert caught.value.key == key
 
 
 def test_runs_are_counted_as_they_are_made(tmp_path, monkeypatch):
     path = write_study(tmp_path)
-    count = len(list(load_plan(path).tasks()))
+    count = len(list(load_study(path).tasks()))
     monkeypatch.setattr(module, "MOST_RUNS", count)
-    load_plan(path)
+    load_study(path)
     monkeypatch.setattr(module, "MOST_RUNS", count - 1)
     with pytest.raises(InputError, match=f"at most {count - 1} runs"):
-        load_plan(path)
+        load_study(path)
 
 
 def test_files_that_cannot_be_read(tmp_path):
@@ -121,16 +121,16 @@ def test_files_that_cannot_be_read(tmp_path):
         if text is not None:
             path.write_text(text)
         with pytest.raises(InputError) as caught:
-            load_plan(path)
+            load_study(path)
         assert problem in caught.value.problem
     study = write_study(tmp_path, STUDY.replace("beam.toml", "bean.toml"))
     with pytest.raises(InputError, match=r"specimens\[0\]\.case: .*bean\.toml: .*no such file \(allowed: a case file"):
-        load_plan(study)
+        load_study(study)
 
 
 def test_the_study_of_the_benchmarks_is_valid():
-    plan = load_plan(BENCHMARK)
-    assert {entry.type for entry in plan.plan.specimens} == {
+    plan = load_study(BENCHMARK)
+    assert {entry.type for entry in plan.study.specimens} == {
         "half-notched beam",
         "0.2-notched beam",
         "unnotched beam",

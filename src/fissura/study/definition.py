@@ -22,13 +22,13 @@ __all__ = [
     "FULL",
     "MOST_RUNS",
     "Limits",
-    "Plan",
     "SpecimenEntry",
+    "Study",
     "Task",
     "Variation",
-    "load_plan",
+    "load_study",
     "merged",
-    "plan_from_dict",
+    "study_from_dict",
 ]
 
 FULL = "full"
@@ -85,7 +85,7 @@ class Variation(Part):
     specimens: Names | None = Field(default=None, description="a list of names of specimens")
 
 
-class Plan(Part):
+class Study(Part):
     """A whole study.
 
     Attributes
@@ -172,22 +172,22 @@ class Task:
 
 
 @dataclass(frozen=True)
-class LoadedPlan:
-    """A plan with the cases it means.
+class LoadedStudy:
+    """A study with the cases it means.
 
     Attributes
     ----------
-    plan : Plan
+    study : Study
     cases : dict of (str, str) to Case
         Cases by names of specimen and variation, seeds not yet put in.
     """
 
-    plan: Plan
+    study: Study
     cases: dict[tuple[str, str], Case]
 
     def tasks(self) -> Iterator[Task]:
         """All runs, seed by seed; full resolution comes before the runs that are compared with it."""
-        of = [(entry.name, *_seeds(self.plan, entry)) for entry in self.plan.specimens]
+        of = [(entry.name, *_seeds(self.study, entry)) for entry in self.study.specimens]
         for seed in dict.fromkeys(seed for _, own, _ in of for seed in own):
             for specimen, own, seeds in of:
                 names = [name for name, some in seeds.items() if seed in some] if seed in own else []
@@ -201,14 +201,14 @@ def _file_name(name: str) -> str:
     return name.replace(" ", "_").casefold()
 
 
-def _seeds(plan: Plan, entry: SpecimenEntry) -> tuple[dict[int, None], dict[str, dict[int, None]]]:
+def _seeds(study: Study, entry: SpecimenEntry) -> tuple[dict[int, None], dict[str, dict[int, None]]]:
     """Seeds of a specimen in order, and those among them with which each variation is run."""
-    own = dict.fromkeys(entry.seeds or plan.seeds)
-    applied = [v for v in plan.variations if v.specimens is None or entry.name in v.specimens]
+    own = dict.fromkeys(entry.seeds or study.seeds)
+    applied = [v for v in study.variations if v.specimens is None or entry.name in v.specimens]
     return own, {v.name: own if v.seeds is None else {s: None for s in v.seeds if s in own} for v in applied}
 
 
-def _check_size(plan: Plan) -> None:
+def _check_size(study: Study) -> None:
     """Refuse more runs than can be kept and compared, before anything is made of them.
 
     Raises
@@ -216,21 +216,21 @@ def _check_size(plan: Plan) -> None:
     InputError
         There are too many; the key is that of the most seeds, or of the variations.
     """
-    cases = len(plan.specimens) * (1 + len(plan.variations))
+    cases = len(study.specimens) * (1 + len(study.variations))
     if cases > _MOST_CASES:
-        problem = f"{len(plan.variations)} variations of {len(plan.specimens)} specimens are {cases} cases"
+        problem = f"{len(study.variations)} variations of {len(study.specimens)} specimens are {cases} cases"
         raise InputError("variations", problem, f"at most {_MOST_CASES} cases, full resolution counted")
     runs = 0
-    for k, entry in enumerate(plan.specimens):
-        own, seeds = _seeds(plan, entry)
+    for k, entry in enumerate(study.specimens):
+        own, seeds = _seeds(study, entry)
         runs += len(set().union(*seeds.values())) + sum(map(len, seeds.values()))
         if runs > MOST_RUNS:
             key = "seeds" if entry.seeds is None else f"specimens[{k}].seeds"
-            what = f"{len(plan.specimens)} specimens, {len(own)} seeds and {len(plan.variations)} variations"
+            what = f"{len(study.specimens)} specimens, {len(own)} seeds and {len(study.variations)} variations"
             raise InputError(key, f"{what} make too many runs", f"at most {MOST_RUNS} runs, full resolution counted")
 
 
-def load_plan(path: str | Path) -> LoadedPlan:
+def load_study(path: str | Path) -> LoadedStudy:
     """Read and validate a study file, and all cases in it.
 
     Parameters
@@ -244,31 +244,31 @@ def load_plan(path: str | Path) -> LoadedPlan:
         The file or a case file cannot be read, or anything in them is wrong.
     """
     path = Path(path)
-    return plan_from_dict(read_toml(path, "a study file (TOML, UTF-8)")[1], path.parent)
+    return study_from_dict(read_toml(path, "a study file (TOML, UTF-8)")[1], path.parent)
 
 
-def plan_from_dict(data: Mapping[str, Any], folder: str | Path = ".") -> LoadedPlan:
-    """Validate a study given as nested dictionaries; see `load_plan`."""
+def study_from_dict(data: Mapping[str, Any], folder: str | Path = ".") -> LoadedStudy:
+    """Validate a study given as nested dictionaries; see `load_study`."""
     try:
-        plan = Plan.model_validate(dict(data))
+        study = Study.model_validate(dict(data))
     except ValidationError as error:
-        raise input_error(error, Plan, data) from None
-    _check_size(plan)
+        raise input_error(error, Study, data) from None
+    _check_size(study)
     cases = {}
-    for k, entry in enumerate(plan.specimens):
+    for k, entry in enumerate(study.specimens):
         path = Path(folder) / entry.case
         base = merged(_case_file(path, f"specimens[{k}].case"), entry.change)
         base = merged({**base, "name": entry.name}, {"output": {"vtk": 0}})
         for name, change, key in [
             (FULL, {}, f"specimens[{k}]"),
-            *((v.name, v.change, f"variations[{j}] on specimens[{k}]") for j, v in enumerate(plan.variations)),
+            *((v.name, v.change, f"variations[{j}] on specimens[{k}]") for j, v in enumerate(study.variations)),
         ]:
             try:
                 cases[entry.name, name] = case_from_dict(merged(base, change), path.parent)
             except InputError as error:
                 where = f"{key} ({entry.name}{'' if name == FULL else ', ' + name}): {error.key}"
                 raise InputError(where, error.problem, error.allowed) from None
-    return LoadedPlan(plan, cases)
+    return LoadedStudy(study, cases)
 
 
 def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
