@@ -259,7 +259,7 @@ def test_processes_that_die_while_they_start_are_no_crash(
 
 
 def threads_of(task: Task) -> Outcome:
-    return Outcome(task, "finished", f"{KernelThreads().threads} threads")
+    return Outcome(task, "finished", f"{KernelThreads().count} threads")
 
 
 @pytest.mark.parametrize(("environment", "expected"), [(None, 1), ("3", 3)])

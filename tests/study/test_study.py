@@ -158,7 +158,7 @@ def test_processes_use_one_thread_unless_told_otherwise(tmp_path, monkeypatch, e
         pass
 
     def start(*_, **__):  # processes inherit the environment of this moment
-        raise StartedError(KernelThreads().threads)
+        raise StartedError(KernelThreads().count)
 
     monkeypatch.delenv(VARIABLE, raising=False)
     if environment is not None:

@@ -24,7 +24,7 @@ class ManyProgress(Live):
         self._bad: dict[str, int] = {}
 
     def begin(self, what: str, missing: int, there: int = 0, first: str = "starting workers") -> None:
-        """Say what is about to run, and start the clock: runs to do, runs done before, what happens until the first ends."""
+        """Say what is about to run, and start the clock: runs to do and done before; what happens until one ends."""
         self.say(what + (f", {there} of them there already" if there else ""))
         self._start = self._shown = time.monotonic()
         self._total, self._before, self._done = missing + there, there, 0
