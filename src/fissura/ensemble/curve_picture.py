@@ -57,18 +57,9 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
 
 
 def draw_curves(result: EnsembleResult, axes: Axes, line: Mapping[str, Any], banded: Axes | None = None) -> None:
-    """Draw curves, mean and band into axes.
+    """Draw curves into axes, and mean and band, which may have axes of their own: then also over dissipated energy.
 
-    Parameters
-    ----------
-    result : EnsembleResult
-        With at least one curve.
-    axes : Axes
-        Where the curves go.
-    line : mapping
-        Properties of the mean, or of the curves where there is none.
-    banded : Axes, optional
-        Where mean and band go; by default the same axes, without those that are over the dissipated energy.
+    `line` are properties of the mean, or of the curves where there is none.
     """
     found, case = result.band, result.plan.case
     over_energy = found is not None and found.over == "dissipated energy"

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.batch.result import FolderResult
 from fissura.case.points import Value
 from fissura.ensemble.band import Band, band, write_bands
 from fissura.ensemble.groups import group_rows, write_groups
@@ -18,23 +19,26 @@ from fissura.ensemble.plan import Kind, Plan
 from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.table import Table, read_table, select
 from fissura.files.atomic import write_json
-from fissura.files.folder import copied
+from fissura.files.folder import FolderKind
 from fissura.results.curve import COLUMN_OF, read_curve
 from fissura.results.load_path import LoadPath
 from fissura.results.result import Result
 from fissura.results.summary import read_summary
-from fissura.text.rows import Described
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["EnsembleResult"]
 
 FloatArray = NDArray[np.float64]
 
+#: Runs that a notebook names one by one, at most.
+_TOLD = 10
+
 
 @dataclass(frozen=True, repr=False, eq=False)
-class EnsembleResult(Described):
+class EnsembleResult(FolderResult):
     """Results of an ensemble, or of a parameter study: an ensemble at each of several points.
 
     Attributes
@@ -61,6 +65,8 @@ class EnsembleResult(Described):
     folder: Path
     values: dict[str, Value] = field(default_factory=dict)
     _kept: object = None  # a folder that lasts as long as whoever refers to it
+    kind: ClassVar[FolderKind] = "ensemble"
+    left_behind: ClassVar[dict[str, Any]] = {"_kept": None}
 
     @classmethod
     def of(cls, plan: Plan, rows: Table, folder: Path) -> EnsembleResult:
@@ -297,9 +303,6 @@ class EnsembleResult(Described):
             return self.statistics.as_dict()
         return {"groups": [{"values": group.values, **group.statistics.as_dict()} for group in self.groups]}
 
-    def _rows(self) -> list[tuple[str, str]]:
-        return rows_of(self)
-
     def plot(self, x: str | None = None, y: str | None = None, ax: Axes | None = None, **line: Any) -> Axes:
         """Draw all curves with their means, by value where keys are varied; or a column of the table of runs.
 
@@ -360,40 +363,20 @@ class EnsembleResult(Described):
 
         return frame(group_rows(self.groups), "point") if groups else frame(self.runs, "number")
 
-    def save(self, folder: str | Path, *, overwrite: bool = False) -> EnsembleResult:
-        """Copy all files of the ensemble to another folder, which `load` reads and ``fissura ensemble`` goes on with.
+    def _rows(self) -> list[tuple[str, str]]:
+        return rows_of(self)
 
-        Parameters
-        ----------
-        folder : path
-            New or empty, or with an earlier ensemble to be replaced.
-        overwrite : bool, optional
-            Whether it may hold an earlier ensemble.
+    def _notes(self) -> list[str]:
+        unfinished = [f"{name} {reason}" for name, reason in self.unfinished()]
+        if len(unfinished) > _TOLD:
+            unfinished[_TOLD:] = [f"{len(unfinished) - _TOLD} more runs did not finish"]
+        return unfinished
 
-        Returns
-        -------
-        EnsembleResult
-            The same, in its new folder.
+    def _figure(self) -> tuple[Figure | None, str]:
+        from fissura.ensemble.curve_picture import plot_curves
+        from fissura.ensemble.study_pictures import plot_study_curves
 
-        Raises
-        ------
-        InputError
-            The folder holds something else, or cannot be written.
-        OSError
-            A file cannot be written.
-
-        Examples
-        --------
-        >>> study.save("results/study").folder.name
-        'study'
-        """
-        target = copied(self.folder, folder, "ensemble", overwrite=overwrite)
-        return EnsembleResult(self.plan, self.rows, target, self.values)
-
-    def _repr_html_(self) -> str:
-        from fissura.ensemble.html import ensemble_html
-
-        return ensemble_html(self)
+        return (plot_study_curves if self.plan.vary else plot_curves)(self), self.plan.case.name
 
     def _paths(self, kind: Kind) -> dict[int, LoadPath]:
         of = select(self.rows, (self.rows["kind"] == kind) & (self.rows["steps"] > 0))

@@ -70,13 +70,7 @@ _UNKNOWN: dict[type, Any] = {str: "", int: -1, float: math.nan, bool: False}
 
 
 def table(summaries: Iterable[Mapping[str, Any]]) -> Table:
-    """Table of runs.
-
-    Parameters
-    ----------
-    summaries : iterable of mapping
-        Contents of their ``summary.json``.
-    """
+    """Table of runs, from the contents of their ``summary.json``."""
     rows, values = [], []
     for summary in summaries:
         rows.append(_row(summary))
@@ -139,14 +133,7 @@ def select(rows: Table, chosen: NDArray[np.bool_]) -> Table:
 def write_csv(rows: Table, path: Path, kinds: Mapping[str, type] | None = None) -> None:
     """Write a table as CSV; what is unknown is empty.
 
-    Parameters
-    ----------
-    rows : Table
-        At least one column.
-    path : Path
-        The file.
-    kinds : mapping of str to type, optional
-        Types of columns that the table of runs does not have; by default numbers and texts.
+    Columns that the table of runs does not have are numbers or texts, unless `kinds` has other types for them.
     """
     columns = columns_of(rows) | dict(kinds or {})
     text = io.StringIO()
