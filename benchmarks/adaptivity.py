@@ -69,7 +69,7 @@ def produce(found: argparse.Namespace) -> Report:
 
 def _markdown(result: StudyResult) -> str:
     default = summary_rows(result, result.of(variation="default"))
-    shown = [(key, head) for key, head in COLUMNS if key not in ("stiffness", "crack", "cpu")]
+    shown = [(key, head) for key, (head, _) in COLUMNS.items() if key not in ("stiffness", "crack", "cpu")]
     parts = [
         "## Numbers",
         TEXT.format(runs=len(result.found), full=sum(count for count, _ in result.full.values())),

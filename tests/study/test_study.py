@@ -19,6 +19,7 @@ from fissura.machine.kernel_threads import KernelThreads
 from fissura.machine.threads import VARIABLE
 from fissura.study import runner
 from fissura.study.definition import FULL, load_study, study_from_dict
+from fissura.study.execute import failed
 from fissura.study.progress import StudyProgress
 from fissura.study.record import Record
 from fissura.study.runner import run_study, write_result
@@ -196,7 +197,7 @@ def test_a_process_that_dies_costs_its_run_only(tmp_path, monkeypatch):
 
 
 def tried(task):
-    return Record(task.specimen, task.seed, task.variation, {}, "failed", "tried")
+    return failed(task, ValueError("tried"))
 
 
 def test_a_cluster_runs_them_too(tmp_path, monkeypatch):

@@ -116,6 +116,11 @@ class Measures:
         """Whether both runs came to the end that their case asks for."""
         return {self.end, self.end_full} <= {"target", "load"}
 
+    @property
+    def used(self) -> float:
+        """Largest utilisation of elastic contacts; nan where it is not known."""
+        return (self.indicators or {}).get("utilisation", math.nan)
+
     def row(self) -> dict[str, Any]:
         """All values by name, indicators among them as ``indicator_...``."""
         values = asdict(self)

@@ -6,35 +6,17 @@ import csv
 import io
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from fissura.files.atomic import write_atomically
+from fissura.study.definition import Limits
 from fissura.study.measures import Measures
 from fissura.study.result import StudyResult
 from fissura.study.statistics import correlations, fails, localisation, spread
 
-__all__ = ["markdown", "summary_rows", "write_tables"]
-
-#: Columns of the table of specimens and variations: key of `summary_rows`, head.
-COLUMNS = [
-    ("runs", "runs"),
-    ("right", "within limits"),
-    ("load", "load [%]"),
-    ("peak", "peak [%]"),
-    ("energy", "energy [%]"),
-    ("stiffness", "stiffness [%]"),
-    ("crack", "on the crack [%]"),
-    ("overlap", "overlap [%]"),
-    ("utilisation", "elastic utilisation"),
-    ("bodies", "bodies, start → end (full)"),
-    ("refinements", "refinements"),
-    ("overhead", "repeated, re-tessellated [% of time]"),
-    ("cpu", "processor time [s] (full)"),
-    ("ratio", "ratio"),
-    ("effort", "effort, ratio"),
-]
+__all__ = ["COLUMNS", "markdown", "summary_rows", "write_tables"]
 
 TEXT = """\
 Each row has the median over seeds, and in brackets the worst: the largest size, for the crack and the ratio of
@@ -84,50 +66,79 @@ def _cell(value: Any) -> Any:
     return value
 
 
+Cell = Callable[[Sequence[Measures], Limits], str]
+
+
+def _spread(value: Callable[[Measures], float], form: str, *, smallest: bool = False) -> Cell:
+    """Median of a value, and in brackets the worst."""
+
+    def cell(runs: Sequence[Measures], _: Limits) -> str:
+        of = spread((value(m) for m in runs if m.compared), smallest=smallest)
+        if not math.isfinite(of.median):
+            return "-"
+        return f"{_number(of.median, form)} ({_number(of.worst, form.removeprefix('+'))})"
+
+    return cell
+
+
+def _medians(form: str, *names: str, factor: float = 1.0) -> Cell:
+    """Medians of several values."""
+
+    def cell(runs: Sequence[Measures], _: Limits) -> str:
+        usable = [m for m in runs if m.compared]
+        medians = (spread(factor * getattr(m, name) for m in usable).median for name in names)
+        return form.format(*medians) if usable else "-"
+
+    return cell
+
+
+def _ends(runs: Sequence[Measures], _: Limits) -> str:
+    ends = Counter(m.end for m in runs if m.end != "target")
+    return ", ".join([f"{len(runs)}", *(f"{end} {count}" for end, count in ends.items())])
+
+
+def _right(runs: Sequence[Measures], limits: Limits) -> str:
+    return f"{sum(not fails(m, limits) for m in runs)}"
+
+
+BODIES, OVERHEAD = ("bodies_start", "bodies_end", "bodies_full"), ("repeated", "refining")
+
+COLUMNS: dict[str, tuple[str, Cell]] = {
+    "runs": ("runs", _ends),
+    "right": ("within limits", _right),
+    "load": ("load [%]", _spread(lambda m: 100 * m.load, ".2f")),
+    "peak": ("peak [%]", _spread(lambda m: 100 * m.peak, "+.2f")),
+    "energy": ("energy [%]", _spread(lambda m: 100 * m.energy, "+.2f")),
+    "stiffness": ("stiffness [%]", _spread(lambda m: 100 * m.stiffness, "+.2f")),
+    "crack": ("on the crack [%]", _spread(lambda m: 100 * m.crack / m.crack_full, ".1f", smallest=True)),
+    "overlap": ("overlap [%]", _spread(lambda m: 100 * m.overlap, ".1f", smallest=True)),
+    "utilisation": ("elastic utilisation", _spread(lambda m: m.used, ".2f")),
+    "bodies": (
+        "bodies, start → end (full)",
+        _medians("{:.0f} → {:.0f} ({:.0f})", "bodies_start", "bodies_end", "bodies_full"),
+    ),
+    "refinements": ("refinements", _spread(lambda m: float(m.refinements), ".0f")),
+    "overhead": (
+        "repeated, re-tessellated [% of time]",
+        _medians("{:.0f}, {:.0f}", "repeated", "refining", factor=100.0),
+    ),
+    "cpu": ("processor time [s] (full)", _medians("{:.1f} ({:.1f})", "cpu", "cpu_full")),
+    "ratio": ("ratio", _spread(lambda m: m.cpu_ratio, ".2f", smallest=True)),
+    "effort": ("effort, ratio", _spread(lambda m: m.effort_ratio, ".2f", smallest=True)),
+}
+"""Columns of the table of specimens and variations: head, and what stands in it for the runs of a row."""
+
+
 def summary_rows(result: StudyResult, found: Sequence[Measures]) -> list[dict[str, str]]:
-    """Rows of the table: for each specimen and variation the values of `COLUMNS` as text, and ``name``."""
+    """Rows of the table: for each specimen and variation the values of `COLUMNS` as text, and their names."""
     groups: dict[tuple[str, str], list[Measures]] = {}
     for m in found:
         groups.setdefault((m.variation, m.specimen), []).append(m)
     return [
-        {"variation": variation, "specimen": specimen, **_summary(result, specimen, runs)}
+        {"variation": variation, "specimen": specimen}
+        | {key: cell(runs, result.specimen(specimen).limits) for key, (_, cell) in COLUMNS.items()}
         for (variation, specimen), runs in groups.items()
     ]
-
-
-def _summary(result: StudyResult, specimen: str, runs: list[Measures]) -> dict[str, str]:
-    limits = result.specimen(specimen).limits
-    usable = [m for m in runs if m.compared]
-    ends = [m.end for m in runs if m.end != "target"]
-
-    def per_cent(key: str) -> str:
-        of = spread(100 * getattr(m, key) for m in usable)
-        sign = "" if key == "load" else "+"
-        return _pair(of.median, of.worst, f"{sign}.2f", ".2f")
-
-    crack = spread((100 * m.crack / m.crack_full for m in usable), smallest=True)
-    both = spread((100 * m.overlap for m in usable), smallest=True)
-    used = spread((m.indicators or {}).get("utilisation", math.nan) for m in usable)
-    ratio = spread((m.cpu_ratio for m in usable), smallest=True)
-    effort = spread((m.effort_ratio for m in usable), smallest=True)
-    start, end, full = (spread(float(getattr(m, f"bodies_{key}")) for m in usable) for key in ("start", "end", "full"))
-    refined = spread(float(m.refinements) for m in usable)
-    cpu, cpu_full = spread(m.cpu for m in usable), spread(m.cpu_full for m in usable)
-    repeated, refining = (spread(100 * getattr(m, key) for m in usable).median for key in ("repeated", "refining"))
-    return {
-        "runs": f"{len(runs)}" + "".join(f", {end} {count}" for end, count in Counter(ends).items()),
-        "right": f"{sum(not fails(m, limits) for m in runs)}",
-        **{key: per_cent(key) for key in ("load", "peak", "energy", "stiffness")},
-        "crack": _pair(crack.median, crack.worst, ".1f", ".1f"),
-        "overlap": _pair(both.median, both.worst, ".1f", ".1f"),
-        "utilisation": _pair(used.median, used.worst, ".2f", ".2f"),
-        "bodies": "-" if not usable else f"{start.median:.0f} → {end.median:.0f} ({full.median:.0f})",
-        "refinements": _pair(refined.median, refined.worst, ".0f", ".0f"),
-        "overhead": "-" if not usable else f"{repeated:.0f}, {refining:.0f}",
-        "cpu": _pair(cpu.median, cpu_full.median, ".1f", ".1f"),
-        "effort": _pair(effort.median, effort.worst, ".2f", ".2f"),
-        "ratio": _pair(ratio.median, ratio.worst, ".2f", ".2f"),
-    }
 
 
 def markdown(result: StudyResult) -> str:
@@ -136,8 +147,8 @@ def markdown(result: StudyResult) -> str:
     for variation in result.study.variations:
         rows = summary_rows(result, result.of(variation=variation.name))
         if rows:
-            heads = ["specimen", *(head for _, head in COLUMNS)]
-            lines = [[row["specimen"], *(row[key] for key, _ in COLUMNS)] for row in rows]
+            heads = ["specimen", *(head for head, _ in COLUMNS.values())]
+            lines = [[row["specimen"], *(row[key] for key in COLUMNS)] for row in rows]
             parts += [f"## {variation.name}{_changes(variation.change)}", table(heads, lines)]
     parts += ["## Runs beyond the limits", _failures(result)]
     parts += ["## Indicators of the error", _ESTIMATES, _correlations(result)]
@@ -183,23 +194,12 @@ def _failures(result: StudyResult) -> str:
     for m in result.found:
         missed = fails(m, result.specimen(m.specimen).limits)
         if missed:
-            used = (m.indicators or {}).get("utilisation", math.nan)
-            where = "-" if not m.compared else f"{100 * abs(m.at):.0f} % {'before' if m.at < 0 else 'after'}"
-            crack = "-" if not m.compared else f"{100 * m.crack / m.crack_full:.1f}"
-            lines.append(
-                [
-                    m.variation,
-                    m.specimen,
-                    f"{m.seed}",
-                    ", ".join(missed),
-                    where,
-                    f"{used:.2f}",
-                    crack,
-                    m.message[:90] or "-",
-                ]
-            )
-    if not lines:
-        return "None."
+            where = crack = "-"
+            if m.compared:
+                where = f"{100 * abs(m.at):.0f} % {'before' if m.at < 0 else 'after'}"
+                crack = f"{100 * m.crack / m.crack_full:.1f}"
+            run = [m.variation, m.specimen, f"{m.seed}", ", ".join(missed)]
+            lines.append([*run, where, f"{m.used:.2f}", crack, m.message[:90] or "-"])
     heads = [
         "variation",
         "specimen",
@@ -210,7 +210,7 @@ def _failures(result: StudyResult) -> str:
         "on the crack [%]",
         "message",
     ]
-    return table(heads, lines)
+    return table(heads, lines) if lines else "None."
 
 
 def _correlations(result: StudyResult) -> str:
@@ -220,14 +220,9 @@ def _correlations(result: StudyResult) -> str:
         found = [m for m in result.of(specimens) if m.compared]
         if len(found) < 3:
             continue
+        forms = {"rank": ".2f", "linear": ".2f", "covering": ".3g", "excess": ".1f"}
         lines = [
-            [
-                f"`{c.name}`",
-                _number(c.rank, ".2f"),
-                _number(c.linear, ".2f"),
-                _number(c.covering, ".3g"),
-                _number(c.excess, ".1f"),
-            ]
+            [f"`{c.name}`", *(_number(getattr(c, name), form) for name, form in forms.items())]
             for c in correlations(found)
         ]
         heads = ["indicator", "of ranks", "of logarithms", "covering", "exaggerates"]
@@ -236,25 +231,14 @@ def _correlations(result: StudyResult) -> str:
 
 
 def _places(result: StudyResult) -> str:
-    lines = [
-        [
-            f"{t.variation}",
-            t.specimen,
-            f"{len(t.same)}",
-            f"{t.same.sum()}",
-            f"{1e3 * abs(t.adaptive - t.full).max():.1f}",
-            f"{t.statistic:.2f}",
-            f"{t.probability:.2f}",
-        ]
-        for t in localisation(result.of(result.free))
-    ]
+    lines = []
+    for t in localisation(result.of(result.free)):
+        apart = f"{1e3 * abs(t.adaptive - t.full).max():.1f}"
+        count = [f"{len(t.same)}", f"{t.same.sum()}"]
+        lines.append([t.variation, t.specimen, *count, apart, f"{t.statistic:.2f}", f"{t.probability:.2f}"])
     heads = ["variation", "specimen", "seeds", "same crack", "farthest apart [mm]", "statistic", "p"]
     return table(heads, lines) if lines else "Too few runs."
 
 
 def _number(value: float, form: str) -> str:
     return format(value, form) if math.isfinite(value) else ("∞" if math.isinf(value) else "-")
-
-
-def _pair(first: float, second: float, form: str, form_of_second: str) -> str:
-    return f"{_number(first, form)} ({_number(second, form_of_second)})" if math.isfinite(first) else "-"
