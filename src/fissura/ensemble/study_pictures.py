@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from fissura.ensemble.axes_of_values import ValueAxis, value_axis_of
 from fissura.ensemble.result import EnsembleResult
 from fissura.pictures.curves import INK, headline, legend, tidy
+from fissura.pictures.grid import grid_of
 from fissura.pictures.lettering import literal
 from fissura.results.names import load_name, value_axis
 from fissura.text.units import scale_of
@@ -76,21 +77,16 @@ def plot_study_peaks(result: EnsembleResult) -> Figure | None:
     keys = list(result.plan.vary)[:_PANELS]
     if not keys or not len(result.peaks):
         return None
-    columns = min(len(keys), 2)
-    rows = -(-len(keys) // columns)
-    figure = Figure(figsize=(WIDE, 3.9 * rows), layout="constrained")
-    panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
+    figure, grid, columns = grid_of(len(keys), (WIDE, WIDE), 3.9, sharey=True)
     y, y_unit = scale_of("N", float(result.peaks.max()))
-    for axes, key in zip(panels, keys, strict=False):
+    for axes, key in zip(grid, keys, strict=True):
         axis = value_axis_of(result.plan, key)
         _peaks(axes, result, key, axis, y)
         axis.label(axes)
         tidy(axes)
-    for axes in panels[len(keys) :]:
-        axes.set_visible(False)
-    for axes in panels[::columns]:
+    for axes in grid[::columns]:
         axes.set_ylabel(f"peak load [{y_unit}]")
-    headline(panels[0], "Peak load", f"{result.plan.case.name}; bars are 95 % intervals of the mean")
+    headline(grid[0], "Peak load", f"{result.plan.case.name}; bars are 95 % intervals of the mean")
     return figure
 
 

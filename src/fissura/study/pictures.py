@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,6 +15,7 @@ from matplotlib.lines import Line2D
 
 from fissura.pictures.attempted import attempted
 from fissura.pictures.curves import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
+from fissura.pictures.grid import grid_of
 from fissura.pictures.lettering import legend_below, literal, may_shrink, save
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
@@ -26,9 +28,19 @@ __all__ = ["PICTURES", "draw", "plot_errors", "plot_indicators", "plot_places", 
 PICTURES = ("tradeoff.png", "errors.png", "indicators.png", "places.png")
 """Names of the files."""
 
+_DOT: dict[str, Any] = {"linestyle": "", "marker": "o", "color": INK}
+
+
+def _look(number: int) -> dict[str, Any]:
+    """Marker and colour of a variation, or a type of specimens."""
+    return {"linestyle": "", "marker": MARKERS[number % len(MARKERS)], "color": COLOURS[number % len(COLOURS)]}
+
 
 def draw(result: StudyResult, folder: Path) -> list[Path]:
-    """Draw every picture for which there are runs, and that can be drawn; returns what was written."""
+    """Draw every picture for which there are runs, and that can be drawn; returns what was written.
+
+    Each function below draws one of them, and tells whether there was anything to draw.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     plots = (plot_tradeoff, plot_errors, plot_indicators, plot_places)
     return [
@@ -43,23 +55,15 @@ def plot_tradeoff(result: StudyResult, path: Path) -> bool:
 
     Full markers are medians, hollow ones the worst of the runs; lines are Pareto fronts. Only specimens and seeds count
     that all variations of a panel have, and variations that could be run with all of them.
-
-    Returns
-    -------
-    bool
-        Whether there was anything to draw.
     """
-    panels = {name: twins(result.of(specimens)) for name, specimens in result.types().items()}
-    panels = {name: found for name, found in panels.items() if found}
-    if not panels:
+    types = {name: twins(result.of(specimens)) for name, specimens in result.types().items()}
+    types = {name: found for name, found in types.items() if found}
+    if not types:
         return False
-    names = [v.name for v in result.study.variations if any(m.variation == v.name for f in panels.values() for m in f)]
-    look = {name: (COLOURS[k % len(COLOURS)], MARKERS[k % len(MARKERS)]) for k, name in enumerate(names)}
-    columns = min(len(panels), 2)
-    rows = math.ceil(len(panels) / columns)
-    figure = Figure(figsize=(0.6 + 4.0 * columns, 0.9 + 3.2 * rows), layout="constrained")
-    grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
-    for axes, (title, found) in zip(grid.flat, panels.items(), strict=False):
+    names = [v.name for v in result.study.variations if any(m.variation == v.name for f in types.values() for m in f)]
+    look = {name: _look(k) for k, name in enumerate(names)}
+    figure, grid, columns = grid_of(len(types), (4.6, 8.6), 3.2, more=0.9, sharey=True)
+    for axes, (title, found) in zip(grid, types.items(), strict=True):
         _tradeoff(axes, found, names, look)
         seeds = len({(m.specimen, m.seed) for m in found})
         headline(axes, title, "1 specimen" if seeds == 1 else f"{seeds} specimens")
@@ -76,18 +80,14 @@ def plot_tradeoff(result: StudyResult, path: Path) -> bool:
                 fontsize=7.5,
                 color=SOFT,
             )
-    for axes in list(grid.flat)[len(panels) :]:
-        axes.set_visible(False)
-    for axes in grid[:, 0]:
+    for axes in grid[::columns]:
         axes.set_ylabel("largest load difference\n[% of the peak]")
-    for axes in list(grid.flat)[max(len(panels) - columns, 0) : len(panels)]:
+    for axes in grid[-columns:]:
         axes.set_xlabel("processor time, full / adaptive")
-    entries = [
-        (Line2D([], [], linestyle="", color=look[name][0], marker=look[name][1]), literal(name)) for name in names
-    ]
+    entries = [(Line2D([], [], **look[name]), literal(name)) for name in names]
     entries += [
-        (Line2D([], [], linestyle="", color=INK, marker="o"), "median"),
-        (Line2D([], [], linestyle="", color=INK, marker="o", markerfacecolor="white"), "worst"),
+        (Line2D([], [], **_DOT), "median"),
+        (Line2D([], [], **_DOT, markerfacecolor="white"), "worst"),
         (Line2D([], [], color=INK, linewidth=1.0), "front of the medians"),
         (Line2D([], [], color=INK, linewidth=1.0, linestyle="--"), "front of the worst"),
     ]
@@ -96,7 +96,7 @@ def plot_tradeoff(result: StudyResult, path: Path) -> bool:
     return True
 
 
-def _tradeoff(axes: Axes, found: Sequence[Measures], names: Sequence[str], look: dict[str, tuple[str, str]]) -> None:
+def _tradeoff(axes: Axes, found: Sequence[Measures], names: Sequence[str], look: dict[str, dict[str, Any]]) -> None:
     here = [name for name in names if any(m.variation == name for m in found)]
     gains, middles, worsts = [], [], []
     for name in here:
@@ -106,13 +106,13 @@ def _tradeoff(axes: Axes, found: Sequence[Measures], names: Sequence[str], look:
         middles.append(error.median)
         worsts.append(error.worst)
     for name, gain, middle, worst in zip(here, gains, middles, worsts, strict=True):
-        colour, marker = look[name]
-        axes.plot([gain, gain], [middle, worst], color=colour, linewidth=0.8, alpha=0.35, zorder=2)
-        axes.plot(gain, worst, marker=marker, color=colour, markerfacecolor="white", markersize=6.5, zorder=4)
-        axes.plot(gain, middle, marker=marker, color=colour, markersize=6.5, zorder=5)
-    for values, style in ((middles, "-"), (worsts, "--")):
+        style = look[name] | {"markersize": 6.5}
+        axes.plot([gain, gain], [middle, worst], color=style["color"], linewidth=0.8, alpha=0.35, zorder=2)
+        axes.plot(gain, worst, **style, markerfacecolor="white", zorder=4)
+        axes.plot(gain, middle, **style, zorder=5)
+    for values, dashes in ((middles, "-"), (worsts, "--")):
         front = pareto(gains, values)
-        axes.plot([gains[k] for k in front], [values[k] for k in front], style, color=INK, linewidth=1.0, zorder=3)
+        axes.plot([gains[k] for k in front], [values[k] for k in front], dashes, color=INK, linewidth=1.0, zorder=3)
     axes.set_xscale("log")
     axes.set_yscale("log")
     plain(axes.xaxis, few(min(gains), max(gains)))
@@ -123,13 +123,7 @@ def _tradeoff(axes: Axes, found: Sequence[Measures], names: Sequence[str], look:
 
 
 def plot_errors(result: StudyResult, path: Path) -> bool:
-    """Errors of the first variation by specimen: a dot for each seed, beyond the limits in orange.
-
-    Returns
-    -------
-    bool
-        Whether there was anything to draw.
-    """
+    """Errors of the first variation by specimen: a dot for each seed, beyond the limits in orange."""
     found = [m for m in result.of(variation=result.study.variations[0].name) if m.compared]
     if not found:
         return False
@@ -147,9 +141,7 @@ def plot_errors(result: StudyResult, path: Path) -> bool:
             height = row + np.linspace(-0.18, 0.18, len(errors)) if len(errors) > 1 else np.array([float(row)])
             axes.plot([limit, limit], [row - 0.38, row + 0.38], color=INK, linewidth=1.4, zorder=2)
             for chosen, colour in ((right, BLUE), (~right, ORANGE)):
-                axes.plot(
-                    errors[chosen], height[chosen], linestyle="", marker="o", markersize=4.2, color=colour, zorder=3
-                )
+                axes.plot(errors[chosen], height[chosen], **_DOT | {"color": colour}, markersize=4.2, zorder=3)
         axes.set_xscale("log")
         axes.set_xlim(FLOOR / 1.3, None)
         plain(axes.xaxis)
@@ -164,49 +156,24 @@ def plot_errors(result: StudyResult, path: Path) -> bool:
 
 
 def plot_indicators(result: StudyResult, path: Path) -> bool:
-    """True error against every indicator, all runs; the line is the bound that covers 95 % of them.
-
-    Returns
-    -------
-    bool
-        Whether there was anything to draw.
-    """
+    """True error against every indicator, all runs; the line is the bound that covers 95 % of them."""
     found = [m for m in result.found if m.compared and m.indicators]
     if len(found) < 3:
         return False
     types = result.types()
-    across = 3
-    rows = -(-len(INDICATORS) // across)
-    figure = Figure(figsize=(8.4, 2.6 * rows), layout="constrained")
-    grid = figure.subplots(rows, across, sharey=True)
-    for axes in grid.flat[len(INDICATORS) :]:
-        axes.set_axis_off()
+    figure, grid, columns = grid_of(len(INDICATORS), (8.4, 8.4, 8.4), 2.6, sharey=True)
     known = {c.name: c for c in correlations(found)}
-    for axes, name in zip(grid.flat, INDICATORS, strict=False):
-        drawn = []
+    for axes, name in zip(grid, INDICATORS, strict=True):
+        ends = []
         for k, specimens in enumerate(types.values()):
-            points = [
-                ((m.indicators or {}).get(name, math.nan), max(100 * m.load, FLOOR))
-                for m in found
-                if m.specimen in specimens
-            ]
-            positive = [point for point in points if point[0] > 0.0]
-            drawn += positive
-            axes.plot(
-                [point[0] for point in positive],
-                [point[1] for point in positive],
-                linestyle="",
-                marker=MARKERS[k % len(MARKERS)],
-                color=COLOURS[k % len(COLOURS)],
-                markersize=3.6,
-                alpha=0.75,
-            )
+            x, y = _points(name, [m for m in found if m.specimen in specimens])
+            ends += x
+            axes.plot(x, y, **_look(k), markersize=3.6, alpha=0.75)
         axes.set_xscale("log")
         axes.set_yscale("log")
-        if drawn and math.isfinite(known[name].covering):
-            span = np.array([min(point[0] for point in drawn), max(point[0] for point in drawn)])
+        if ends and math.isfinite(known[name].covering):
+            span = np.array([min(ends), max(ends)])
             axes.plot(span, 100 * known[name].covering * span, color=GREY, linewidth=1.2, zorder=1)
-        ends = [point[0] for point in drawn]
         if ends and max(ends) < 50.0 * min(ends):
             plain(axes.xaxis, few(min(ends), max(ends)))
         axes.set_ylim(FLOOR / 1.5, 2.0 * max(max(100 * m.load, FLOOR) for m in found))
@@ -214,50 +181,35 @@ def plot_indicators(result: StudyResult, path: Path) -> bool:
         tidy(axes)
         rank = "" if math.isnan(known[name].rank) else f", ρ = {known[name].rank:.2f}"
         axes.set_title(f"{name.replace('_', ' ')}{rank}", fontsize=9.5, loc="left", color=INK)
-    for axes in grid[:, 0]:
+    for axes in grid[::columns]:
         axes.set_ylabel("largest load difference [%]")
-    entries = [
-        (Line2D([], [], linestyle="", marker=MARKERS[k % len(MARKERS)], color=COLOURS[k % len(COLOURS)]), literal(name))
-        for k, name in enumerate(types)
-    ]
+    entries = [(Line2D([], [], **_look(k)), literal(name)) for k, name in enumerate(types)]
     legend_below(figure, entries, colour=INK, most=len(entries), size=9.0)
     save(figure, path, DPI)
     return True
 
 
-def plot_places(result: StudyResult, path: Path) -> bool:
-    """Position of the crack, adaptive over full, of specimens without a notch; first variation.
+def _points(name: str, runs: Sequence[Measures]) -> tuple[list[float], list[float]]:
+    """An indicator, where it is positive, and the true error [%]."""
+    known = [(m.indicators[name], m.load) for m in runs if m.indicators and m.indicators.get(name, 0.0) > 0.0]
+    return [value for value, _ in known], [max(100 * load, FLOOR) for _, load in known]
 
-    Returns
-    -------
-    bool
-        Whether there was anything to draw.
-    """
+
+def plot_places(result: StudyResult, path: Path) -> bool:
+    """Position of the crack, adaptive over full, of specimens without a notch; first variation."""
     variation = result.study.variations[0].name
     tests = localisation(result.of(result.free, variation))
     if not tests:
         return False
-    columns = min(len(tests), 2)
-    rows = math.ceil(len(tests) / columns)
-    figure = Figure(figsize=(0.4 + 3.8 * columns, 0.4 + 3.7 * rows), layout="constrained")
-    grid = figure.subplots(rows, columns, squeeze=False)
-    for axes, test in zip(grid.flat, tests, strict=False):
+    figure, grid, _ = grid_of(len(tests), (4.2, 8.0), 3.7, more=0.4)
+    for axes, test in zip(grid, tests, strict=True):
         both = 1e3 * np.concatenate([test.adaptive, test.full])
         low, high = both.min() - 10.0, both.max() + 10.0
         axes.plot([low, high], [low, high], color=GREY, linewidth=1.2, zorder=1)
         for chosen, colour, label in ((test.same, BLUE, "same crack"), (~test.same, ORANGE, "another crack")):
-            axes.plot(
-                1e3 * test.full[chosen],
-                1e3 * test.adaptive[chosen],
-                linestyle="",
-                marker="o",
-                markersize=5.5,
-                color=colour,
-                markeredgecolor="white",
-                markeredgewidth=0.6,
-                label=f"{label}: {chosen.sum()}",
-                zorder=3,
-            )
+            dots = {"color": colour, "markersize": 5.5, "markeredgecolor": "white", "markeredgewidth": 0.6}
+            name = f"{label}: {chosen.sum()}"
+            axes.plot(1e3 * test.full[chosen], 1e3 * test.adaptive[chosen], **_DOT | dots, label=name, zorder=3)
         axes.set_xlim(low, high)
         axes.set_ylim(low, high)
         axes.set_aspect("equal")
@@ -266,7 +218,5 @@ def plot_places(result: StudyResult, path: Path) -> bool:
         axes.set_xlabel("crack at full resolution, x [mm]")
         axes.set_ylabel("crack of the adaptive run, x [mm]")
         axes.legend(fontsize=8.5, loc="upper left", frameon=False, labelcolor=INK)
-    for axes in list(grid.flat)[len(tests) :]:
-        axes.set_visible(False)
     save(figure, path, DPI)
     return True
