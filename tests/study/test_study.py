@@ -200,10 +200,17 @@ def tried(task):
     return failed(task, ValueError("tried"))
 
 
+#: What a worker did before its first task.
+prepared = []
+
+
+def prepare():
+    prepared.append(True)
+
+
 def test_a_cluster_runs_them_too(tmp_path, monkeypatch):
-    prepared = []
     monkeypatch.setattr(runner, "execute", tried)
-    monkeypatch.setattr(runner, "warm_up", lambda: prepared.append(True))
+    monkeypatch.setattr(runner, "warm_up", prepare)
     monkeypatch.setattr(runner.StudyResult, "comparing", lambda *_: None)
     plan, told = load_study(write_study(tmp_path, REFUSED)), []
     with LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None) as cluster:
