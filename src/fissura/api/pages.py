@@ -105,7 +105,13 @@ def _runs(result: EnsembleResult, on_run: Callable[[int, int], None] | None) -> 
 
 
 def _place(folder: Path | None, path: str | Path | None) -> Path:
-    """Where a page goes."""
+    """Where a page goes.
+
+    Raises
+    ------
+    InputError
+        Nowhere.
+    """
     if path is None:
         if folder is None:
             raise InputError("path", "is missing: the run was kept in memory only", "the name of a file, .html")

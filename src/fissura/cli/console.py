@@ -93,14 +93,30 @@ def file_names(folder: Path) -> str:
 
 
 def not_written(error: OSError, where: str | Path, kept: str = "") -> typer.Exit:
-    """Say that a file could not be written, and what is not lost; what is returned ends the command."""
+    """Say that a file could not be written; what is returned ends the command.
+
+    Parameters
+    ----------
+    error : OSError
+        What went wrong.
+    where : str or Path
+        The file or folder.
+    kept : str, optional
+        What is not lost.
+    """
     message = f"error: {where}: cannot be written: {error.strerror or error}{'; ' if kept else ''}{kept}"
     return _ended(message, NOT_WRITTEN)
 
 
 @contextmanager
 def writing(picture: Path) -> Iterator[None]:
-    """Turn what can go wrong in writing a picture into a message, and show warnings on the way."""
+    """Turn what can go wrong in writing a picture into a message, and show warnings on the way.
+
+    Parameters
+    ----------
+    picture : Path
+        The file.
+    """
     try:
         with warnings(Console(stderr=True)):
             yield
@@ -109,7 +125,13 @@ def writing(picture: Path) -> Iterator[None]:
 
 
 def check_ending(picture: Path, option: str) -> None:
-    """Refuse a picture whose name has no ending, to which one would be added unasked, or one of no picture."""
+    """Refuse a picture whose name has no ending, to which one would be added unasked, or one of no picture.
+
+    Raises
+    ------
+    InputError
+        There is none, or matplotlib does not know it.
+    """
     from matplotlib.backend_bases import FigureCanvasBase
 
     if not picture.suffix:
@@ -119,7 +141,13 @@ def check_ending(picture: Path, option: str) -> None:
 
 
 class Warnings(logging.Handler):
-    """Shows what Fissura's modules log as warnings, each once."""
+    """Shows what Fissura's modules log as warnings, each once.
+
+    Parameters
+    ----------
+    console : Console
+        Where to write.
+    """
 
     def __init__(self, console: Console) -> None:
         super().__init__(logging.WARNING)

@@ -40,7 +40,17 @@ def is_for_programs() -> bool:
 
 
 def tell_error(message: str, status: int, error: BaseException | None = None) -> None:
-    """Write a message to standard error, as text, or as JSON with the parts of the error where that is wanted."""
+    """Write an error to standard error: as text, or as JSON where that is wanted.
+
+    Parameters
+    ----------
+    message : str
+        The whole message.
+    status : int
+        Exit status of the command.
+    error : exception, optional
+        The error, whose parts are told, too, where it has any.
+    """
     if not _wanted.get():
         typer.echo(message, err=True)
         return

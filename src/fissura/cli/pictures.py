@@ -66,7 +66,13 @@ def show(
 
 
 def _check_view(output: Path | None) -> None:
-    """Refuse a view that cannot be shown, before anything is computed."""
+    """Refuse a view that cannot be shown, before anything is computed.
+
+    Raises
+    ------
+    InputError
+        PyVista is not installed, there is no screen, or the picture would be no PNG.
+    """
     from fissura.pictures.pyvista_tools import can_open_windows, check_picture, pyvista
 
     pyvista()

@@ -56,7 +56,13 @@ def reported(source: Path | Result, output: Path | None = None, *, runs: bool = 
 
 @contextmanager
 def report_at_end(*, wanted: bool) -> Iterator[None]:
-    """Refuse a report that cannot be made, before anything is computed; write that of a run that stops early."""
+    """Refuse a report that cannot be made, before anything is computed; write that of a run that stops early.
+
+    Raises
+    ------
+    InputError
+        The extra ``report`` is not installed.
+    """
     if not wanted:
         yield
         return

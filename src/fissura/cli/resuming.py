@@ -18,8 +18,14 @@ __all__ = ["Resumable"]
 class Resumable:
     """Turns every way in which a command with many runs can end early into a message that says how to go on.
 
-    Before the first run may begin nothing can be resumed, and most errors pass through. What to do to go on is the end
-    of a sentence.
+    Before the first run may begin nothing can be resumed, and most errors pass through.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the runs are kept.
+    how : str
+        What to do to go on, as the end of a sentence.
     """
 
     def __init__(self, folder: Path, how: str) -> None:
@@ -43,7 +49,13 @@ class Resumable:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Say how to go on in place of errors that a user can meet; others pass, once it is said what is kept."""
+        """Say how to go on.
+
+        Raises
+        ------
+        typer.Exit
+            In place of errors that a user can meet. Others pass through, once it is said what is kept.
+        """
         if isinstance(error, OSError):
             kept = self._go_on if self._begun else ""
             raise not_written(error, error.filename or f"a file in {self._folder}", kept) from None

@@ -14,9 +14,14 @@ _VARY = '"KEY=VALUE, VALUE", such as "material.f_t=2.5 MPa, 3 MPa"'
 
 
 def varied(options: Iterable[str]) -> dict[str, list[Any]]:
-    """Values by key, from texts such as ``"material.f_t=2.5 MPa, 3 MPa"``; no key comes twice.
+    """Values by key, from texts such as ``"material.f_t=2.5 MPa, 3 MPa"``.
 
     What TOML reads as a list of values is one, ``"supports[0].at=5, 6"``; else values are texts between commas.
+
+    Raises
+    ------
+    InputError
+        A text has no key or no value, or a key comes twice.
     """
     found: dict[str, list[Any]] = {}
     for option in options:
@@ -44,7 +49,13 @@ def _value(text: str) -> Any:
 
 
 def setting(option: str) -> tuple[str, Any]:
-    """Key and value from a text such as ``"material.macro.E=37 GPa"``."""
+    """Key and value from a text such as ``"material.macro.E=37 GPa"``.
+
+    Raises
+    ------
+    InputError
+        The text has no key or no value.
+    """
     key, sign, text = (part.strip() for part in option.partition("="))
     if not key or not sign or not text:
         raise InputError("--set", f"{option!r} is not a key with a value", '"KEY=VALUE", such as "material.mu=0.3"')
@@ -52,7 +63,13 @@ def setting(option: str) -> tuple[str, Any]:
 
 
 def seed_list(text: str) -> list[int]:
-    """Whole numbers between commas or blanks."""
+    """Whole numbers between commas or blanks.
+
+    Raises
+    ------
+    InputError
+        Something else is there.
+    """
     try:
         return [int(part) for part in text.replace(",", " ").split()]
     except ValueError:

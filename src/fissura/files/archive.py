@@ -31,7 +31,16 @@ SHRUNK = 0.85
 def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any], *, compress: bool = True) -> None:
     """Write arrays as ``.npz``, never leaving half a file; arrays that hardly shrink are stored as they are.
 
-    Name and version of the format are kept as ``format`` and ``format_version``.
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    name, version : str, int
+        Name and version of the format, kept as ``format`` and ``format_version``.
+    arrays : mapping of str to array or number
+        Content.
+    compress : bool
+        Whether to compress those that shrink.
     """
     with replacing(path) as part, zipfile.ZipFile(part, "w") as archive:
         for key, value in {"format": name, "format_version": version, **arrays}.items():
@@ -44,7 +53,10 @@ def write_archive(path: Path, name: str, version: int, arrays: Mapping[str, Any]
 def read_archive(path: str | Path, name: str, version: int) -> dict[str, NDArray[Any]]:
     """Read all arrays of a file that `write_archive` wrote.
 
-    A file that is missing, is something else, or is newer than the given version of the format is an `InputError`.
+    Raises
+    ------
+    InputError
+        The file is missing, is something else, or is newer than the given version of the format.
     """
     key, allowed = str(path), f"a {name} file of version 1 to {version}"
     check_file(Path(path), key, allowed, _MOST_BYTES)

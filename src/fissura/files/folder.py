@@ -33,7 +33,13 @@ _NAMES: dict[str, str] = {
 
 
 class Folder:
-    """A folder with a mark; it exists."""
+    """A folder with a mark.
+
+    Parameters
+    ----------
+    path : Path
+        The folder; it exists.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -41,7 +47,13 @@ class Folder:
 
     @classmethod
     def begun(cls, path: Path, kind: FolderKind) -> Folder:
-        """Mark a folder anew; what its mark listed before is removed, and nothing else."""
+        """Mark a folder anew; what its mark listed before is removed, and nothing else.
+
+        Raises
+        ------
+        OSError
+            A file cannot be removed or written.
+        """
         folder = cls(path)
         folder.clear()
         (path / MARK).write_text(f"fissura {kind} 1\n", encoding="utf-8")
@@ -164,13 +176,31 @@ def prepare_folder(
 
 
 def copied(source: Path, target: str | Path, kind: FolderKind, *, overwrite: bool = False) -> Path:
-    """Copy results of a kind, and nothing else that lies beside them, to a new or empty folder, or one to be replaced.
+    """Copy results, and nothing else that lies beside them, to another folder.
+
+    Parameters
+    ----------
+    source : Path
+        Folder of results.
+    target : path
+        New or empty, or with earlier results of this kind to be replaced.
+    kind : {"run", "ensemble", "study", "elastic", "calibration"}
+        What the results are of.
+    overwrite : bool, optional
+        Whether the target may hold earlier results.
+
+    Returns
+    -------
+    Path
+        The target.
 
     Raises
     ------
     InputError
         The target holds something else, or results without permission to replace them, is the source itself, or cannot
         be written.
+    OSError
+        A file cannot be written.
     """
     folder = prepare_folder(target, kind, overwrite=overwrite)
     if folder.resolve() == source.resolve():
@@ -214,7 +244,17 @@ def _check(folder: Path, kind: FolderKind, *, overwrite: bool, go_on: bool) -> N
 def claimed(path: Path, option: str) -> Path:
     """List a picture in the mark of the result folder that it is put into without being asked for there.
 
-    A file that Fissura did not write is an `InputError`, which names the option that would put the picture elsewhere.
+    Parameters
+    ----------
+    path : Path
+        The picture.
+    option : str
+        The option that would put it somewhere else.
+
+    Raises
+    ------
+    InputError
+        There is such a file, and Fissura did not write it.
     """
     if kind_of(path.parent) is None:
         return path

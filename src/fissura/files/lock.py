@@ -16,10 +16,21 @@ __all__ = ["locked"]
 
 @contextmanager
 def locked(folder: Path | None) -> Iterator[None]:
-    """Keep other runs out of a folder of results, by a lock on its mark; None locks nothing.
+    """Keep other runs out of a folder of results, by a lock on its mark.
 
-    File systems that know no locks, as some network ones, go without. Where another run has the lock, in this process
-    or another one, there is an `InputError`.
+    File systems that know no locks, as some network ones, go without.
+
+    Parameters
+    ----------
+    folder : Path or None
+        The folder; it exists. None locks nothing.
+
+    Raises
+    ------
+    InputError
+        Another run has the lock, in this process or another one.
+    OSError
+        The mark cannot be opened.
     """
     if folder is None:
         yield

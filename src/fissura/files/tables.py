@@ -22,9 +22,26 @@ _MANY_PARTS = re.compile(rf"(?<![\w-])(?>{_PART}[ \t]*+\.[ \t]*+){{{_DEPTH}}}")
 
 
 def read_toml(path: Path, allowed: str) -> tuple[str, dict[str, Any]]:
-    """Read a file of tables, with or without the byte order mark that some editors write: its text, and its tables.
+    """Read a file of tables, with or without the byte order mark that some editors write.
 
-    What it should be is told in the message of the `InputError` where it cannot be read or is not TOML.
+    Parameters
+    ----------
+    path : Path
+        TOML file, UTF-8.
+    allowed : str
+        What it should be, for the message.
+
+    Returns
+    -------
+    text : str
+        What the file says.
+    tables : dict
+        Its tables.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is not TOML.
     """
     text = read_text(path, str(path), allowed)
     if found := _MANY_PARTS.search(text):
@@ -36,8 +53,21 @@ def read_toml(path: Path, allowed: str) -> tuple[str, dict[str, Any]]:
 def read_json(path: Path, allowed: str, *, tables: bool = True, most: int = MOST_BYTES) -> Any:
     """Read a file of tables in JSON, such as the ``case.json`` of a run.
 
-    Anything but tables by name is refused, unless it may be. What the file should be is told in the message of the
-    `InputError` where it cannot be read, is too large, or is not JSON.
+    Parameters
+    ----------
+    path : Path
+        JSON file, UTF-8.
+    allowed : str
+        What it should be, for the message.
+    tables : bool, optional
+        Whether anything but tables by name is refused.
+    most : int, optional
+        Most bytes that the file may have.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is not JSON.
     """
     found = _parsed(path, read_text(path, str(path), allowed, most), json.loads, "JSON", allowed)
     if tables and not isinstance(found, dict):

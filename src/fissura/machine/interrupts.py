@@ -32,7 +32,13 @@ _IMPATIENT = ("SIGINT", "SIGTERM", "SIGQUIT", "SIGBREAK")
 
 
 class _Handler:
-    """Turns signals into KeyboardInterrupt, at once or after what is being saved."""
+    """Turns signals into KeyboardInterrupt, at once or after what is being saved.
+
+    Parameters
+    ----------
+    say : callable
+        Takes a message for the user.
+    """
 
     def __init__(self, say: Callable[[str], None]) -> None:
         self._say = say
@@ -73,6 +79,11 @@ def interruptible(say: Callable[[str], None]) -> Iterator[None]:
     """Turn the first signal that would end the program into KeyboardInterrupt, and let the saving that follows finish.
 
     A second Ctrl-C only says so; a third one gives up. Signals that were ignored on purpose, as by nohup, stay ignored.
+
+    Parameters
+    ----------
+    say : callable
+        Takes a message for the user.
     """
     global _handler
     if threading.current_thread() is not threading.main_thread() or _handler is not None:

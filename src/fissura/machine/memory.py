@@ -26,7 +26,22 @@ def physical_memory() -> float:
 
 @contextmanager
 def within_memory(key: str, what: str, allowed: str) -> Iterator[None]:
-    """Turn a lack of memory for something into an `InputError` about the key that asks for it, and what needs less."""
+    """Turn a lack of memory into the message about the key that asks for so much.
+
+    Parameters
+    ----------
+    key : str
+        Key of the case.
+    what : str
+        What memory is lacking for.
+    allowed : str
+        What would need less.
+
+    Raises
+    ------
+    InputError
+        In place of a MemoryError.
+    """
     try:
         yield
     except MemoryError:

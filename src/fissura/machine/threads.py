@@ -36,8 +36,17 @@ def usable_processors() -> int:
 def side_by_side(option: str, value: int) -> int:
     """A number of processes or threads that this machine can run at a time, as a whole number of Python.
 
-    An option that asks for no whole number, or for so many that they only stand in each other's way, is an
-    `InputError`.
+    Parameters
+    ----------
+    option : str
+        What asks for them, for the message.
+    value : int
+        How many.
+
+    Raises
+    ------
+    InputError
+        It is no whole number, or so large that they only stand in each other's way.
     """
     number, most = whole(value), max(8, 4 * usable_processors())
     if number is None or not 1 <= number <= most:
@@ -48,7 +57,13 @@ def side_by_side(option: str, value: int) -> int:
 
 @contextmanager
 def threads_each(count: int = 1) -> Iterator[None]:
-    """Let processes that start inside use so many threads each, unless the user's environment says otherwise."""
+    """Let processes that start inside use so many threads each, unless the user's environment says otherwise.
+
+    Parameters
+    ----------
+    count : int, optional
+        Threads of a process.
+    """
     added = [name for name in LIMITS if name not in os.environ]
     os.environ.update(dict.fromkeys(added, str(count)))
     try:

@@ -14,9 +14,18 @@ _log = logging.getLogger(__name__)
 
 
 def attempted(name: str, draw: Callable[[], T]) -> T | None:
-    """What drawing a picture returns; where it fails say so by its name, and go on with None.
+    """Draw a picture; where that fails say so, and go on: results are worth more than pictures of them.
 
-    Results are worth more than pictures of them.
+    Parameters
+    ----------
+    name : str
+        Of the file, for the message.
+    draw : callable
+        Draws it.
+
+    Returns
+    -------
+    Whatever `draw` returns, or None where it failed.
     """
     try:
         return draw()

@@ -44,7 +44,22 @@ def saved(comparison: Comparison, path: Path) -> Path:
 
 
 def save_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> None:
-    """Write the picture of `Comparison.plot_bodies`; the ending of the name decides the format."""
+    """Write the picture of `Comparison.plot_bodies`.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The runs.
+    path : Path
+        File to write; its ending decides the format.
+    stress : bool, optional
+        Colour bodies by their largest principal stress instead of showing which are fine.
+
+    Raises
+    ------
+    InputError
+        A run was read from a folder without sections.
+    """
     save(bodies_figure(comparison, stress=stress)[0], path, DPI)
 
 

@@ -62,8 +62,14 @@ class View:
 def plot_crack(result: Result, path: Path) -> None:
     """Draw the last state looking along z: facets that face the viewer, and opened contacts projected onto them.
 
-    The widest opening lies on top. Where anything has opened, a second panel shows the cracked zone. The run has at
-    least one step; the ending of the file decides the format.
+    The widest opening lies on top. Where anything has opened, a second panel shows the cracked zone.
+
+    Parameters
+    ----------
+    result : Result
+        A run with at least one step.
+    path : Path
+        File to write; its ending decides the format.
     """
     view = _view(result.last)
     whole = _whole(view)

@@ -47,8 +47,19 @@ def plot_curve(result: Result, path: Path) -> None:
     """Draw load over what is controlled: steps, peak, refinements, and the measured band if the case names one.
 
     Measured loads are over the gauge, so with them it is over the gauge if the case has one. Steps in which dissipated
-    energy led have lighter dots. The run has at least one step; the ending of the file decides the format. A band that
-    cannot be read is an `InputError`.
+    energy led have lighter dots.
+
+    Parameters
+    ----------
+    result : Result
+        A run with at least one step.
+    path : Path
+        File to write; its ending decides the format.
+
+    Raises
+    ------
+    InputError
+        The measured band cannot be read.
     """
     save(curve_figure(result), path, DPI)
 
@@ -111,7 +122,12 @@ def curve_figure(result: Result) -> Figure:
 def comparison_figure(comparison: Comparison, make: Callable[..., Figure] = Figure) -> Figure:
     """Draw two curves, and below them the difference of their loads as per cent of the reference's peak.
 
-    What makes the figure is the class, or ``pyplot.figure`` for one that notebooks show.
+    Parameters
+    ----------
+    comparison : Comparison
+        The runs.
+    make : callable, optional
+        Makes the figure: the class, or ``pyplot.figure`` for a figure that notebooks show.
     """
     figure = make(figsize=(7.2, 5.6), layout="constrained")
     by_energy, quantity = comparison.by_energy, comparison.quantity

@@ -52,7 +52,20 @@ def plot_field(
 ) -> None:
     """Draw two slices of a realisation, the bodies on the front in its colours, and its marginal distribution.
 
-    Its table in the case and the name of that are for the text; the ending of the file decides the format.
+    Parameters
+    ----------
+    field : RandomField
+        The realisation.
+    part : Field
+        Its table in the case, for the text.
+    domain : Domain
+        The specimen.
+    tessellation : Tessellation
+        Bodies to be coloured.
+    path : Path
+        File to write; its ending decides the format.
+    name : str, optional
+        Headline.
     """
     size = domain.size
     tall = size[1] > 1.2 * size[0]
@@ -136,8 +149,16 @@ def _samples(field: RandomField, domain: Domain) -> FloatArray:
 def draw_marginal(axes: Axes, marginal: Marginal, name: str, samples: FloatArray | None = None) -> None:
     """Draw a distribution on Weibull probability paper, where a Weibull distribution is a straight line.
 
-    A graft is marked, and both its parts are drawn beyond it. The name is for the legend; samples (n,) are sorted
-    values of a realisation.
+    Parameters
+    ----------
+    axes : Axes
+        Where.
+    marginal : Marginal
+        The distribution; a graft is marked, and both its parts are drawn beyond it.
+    name : str
+        For the legend.
+    samples : (n,) array, optional
+        Sorted values of a realisation.
     """
     z = np.linspace(ndtri(PROBABILITIES[0]) - 0.2, ndtri(PROBABILITIES[-1]), 400)
     h = marginal.from_gaussian(z)

@@ -37,9 +37,23 @@ def projected(polygons: Polygons, chosen: IntArray) -> list[FloatArray]:
 
 
 def rims(polygons: Polygons, chosen: IntArray, body: IntArray) -> FloatArray:
-    """Lines (s, 2, 3) [m] around what those of the chosen polygons (q,) cover together that are of one body (q,).
+    """Lines around what polygons of one body cover together.
 
     A body's facet on the surface is of several polygons where it reaches through several convex cells of the specimen.
+
+    Parameters
+    ----------
+    polygons : Polygons
+        Polygons of surface facets.
+    chosen : (q,) array
+        Some of them.
+    body : (q,) array
+        The body of each of those.
+
+    Returns
+    -------
+    (s, 2, 3) array
+        Ends of the lines [m].
     """
     if not len(chosen):
         return np.empty((0, 2, 3))

@@ -24,7 +24,13 @@ RESOLUTION = 90
 
 
 def result_html(result: Result) -> str:
-    """HTML of a result; whatever users wrote stands there letter by letter. Without steps it has no picture."""
+    """HTML of a result; whatever users wrote stands there letter by letter.
+
+    Parameters
+    ----------
+    result : Result
+        Any, also one without steps, which has no picture.
+    """
     rows = [*result.table(), *([("results", str(result.folder))] if result.folder else [])]
     name = f"curve of {result.case.name}"
     picture = attempted("the curve", lambda: embedded(curve_figure(result), name)) if result.steps else None
@@ -39,7 +45,17 @@ def comparison_html(comparison: Comparison) -> str:
 
 
 def notebook_html(rows: Iterable[tuple[str, str]], notices: Iterable[str], picture: str | None) -> str:
-    """A table of names and values, a picture beside it as `embedded` makes it, and warnings below."""
+    """A table, a picture beside it, and warnings below.
+
+    Parameters
+    ----------
+    rows : iterable of (str, str)
+        Name and value.
+    notices : iterable of str
+        The warnings.
+    picture : str or None
+        HTML of the picture, from `embedded`.
+    """
     cells = "".join(
         f'<tr><th style="text-align:left">{escape(name)}</th><td style="text-align:left">{escape(value)}</td></tr>'
         for name, value in rows

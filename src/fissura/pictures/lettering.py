@@ -45,7 +45,18 @@ def legend_below(
 ) -> Legend:
     """Put a legend below everything, in as many columns as its names leave room for.
 
-    Entries are what stands for a name, and the name, ready to be drawn; letters have a size in points.
+    Parameters
+    ----------
+    figure : Figure
+        Where.
+    entries : iterable of (Artist, str)
+        What stands for a name, and the name, ready to be drawn.
+    colour : str
+        Of the letters.
+    most : int, optional
+        Most columns.
+    size : float, optional
+        Of the letters [points].
     """
     handles, names = zip(*entries, strict=True)
     longest = max(len(name) for name in names)
@@ -108,9 +119,21 @@ def _shortened(line: Text, row: str, width: float) -> str:
 
 
 def rendered(figure: Figure, *, form: str | None, dpi: float) -> bytes:
-    """The file that a figure makes, lines fitted; its form is an ending such as ``"png"``, which None stands for.
+    """The file that a figure makes, lines fitted.
 
-    A form that is not known is a `ValueError`.
+    Parameters
+    ----------
+    figure : Figure
+        What to draw.
+    form : str or None
+        Ending of the file, such as ``"png"``, which None stands for.
+    dpi : float
+        Pixels per inch.
+
+    Raises
+    ------
+    ValueError
+        The ending is not known.
     """
     buffer = io.BytesIO()
     # LaTeX, which a user may have set, would take low lines of names for mathematics.
@@ -124,5 +147,13 @@ def rendered(figure: Figure, *, form: str | None, dpi: float) -> bytes:
 
 
 def save(figure: Figure, path: Path, dpi: float) -> None:
-    """Write a figure, as a whole or not at all; the ending of the name decides the format, or is a `ValueError`."""
+    """Write a figure, as a whole or not at all; the ending of the name decides the format.
+
+    Raises
+    ------
+    ValueError
+        The ending is not known.
+    OSError
+        The file cannot be written.
+    """
     write_atomically(path, rendered(figure, form=path.suffix.lower().removeprefix(".") or None, dpi=dpi))

@@ -25,7 +25,13 @@ def steps_with_states(result: RunData) -> list[int]:
 
 
 def step_of(result: RunData, step: int | None) -> int:
-    """Number of a step whose state there is, the last one for None; an `InputError` where there is none."""
+    """Number of a step whose state there is; the last one for None.
+
+    Raises
+    ------
+    InputError
+        There is no state of this step, or of any.
+    """
     known = steps_with_states(result)
     if not known:
         raise InputError(str(result.folder or result.case.name), "has no states of steps")

@@ -45,7 +45,15 @@ BEFORE_PEAK = 0.8
 
 @dataclass(frozen=True)
 class Moment:
-    """A step worth showing: its letter and name, and the section then."""
+    """A step worth showing.
+
+    Attributes
+    ----------
+    letter, name : str
+        What it is called.
+    frame : Frame
+        The section then.
+    """
 
     letter: str
     name: str
@@ -57,6 +65,11 @@ def moments(frames: Sequence[Frame]) -> list[Moment]:
 
     Where nothing was refined before the peak the first two are in the elastic range and shortly before the peak. Runs
     that are too short, or end at their peak, have fewer moments.
+
+    Parameters
+    ----------
+    frames : sequence of Frame
+        All steps of a run.
     """
     load = np.array([abs(frame.load) for frame in frames])
     peak, last = peak_position(load), len(frames) - 1
@@ -115,11 +128,31 @@ def plot_moments(folder: str | Path, path: Path, *, stress: bool = False) -> Non
 def bodies_figure(
     comparison: Comparison, *, stress: bool = False, make: Callable[..., Figure] = Figure
 ) -> tuple[Figure, list[Axes]]:
-    """Draw two runs beside each other at the moments of the first; see `Comparison.plot_bodies`.
+    """Draw two runs beside each other at the moments of the first.
 
     The moments of run B are the steps nearest in what `Comparison.over` says: the gauge, the displacement of the load,
-    or the dissipated energy. What makes the figure is the class, or ``pyplot.figure`` for one that notebooks show. Axes
-    are those of run A and run B in turn, moment after moment.
+    or the dissipated energy.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The runs.
+    stress : bool, optional
+        Colour bodies by their largest principal stress instead of showing which are fine.
+    make : callable, optional
+        Makes the figure: the class, or ``pyplot.figure`` for a figure that notebooks show.
+
+    Returns
+    -------
+    figure : Figure
+        What was drawn.
+    axes : list of Axes
+        Those of run A and run B in turn, moment after moment.
+
+    Raises
+    ------
+    InputError
+        A run was read from a folder without sections.
     """
     a, b = comparison.a, comparison.b
     frames_a, frames_b = a.frames, b.frames

@@ -55,8 +55,16 @@ def draw_curve(axes: Axes, result: Result) -> tuple[float, float]:
 def draw_scales(axes: Axes, look: Look, *, full: bool, wide: bool = False) -> None:
     """Explain the colours of bodies and cracks, and say by how much displacements are magnified.
 
-    The axes lose their frame. If all bodies are fine, no other colour is explained; it takes one row, or else one
-    column.
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw; its frame is taken away.
+    look : Look
+        What to explain.
+    full : bool
+        Whether all bodies are fine.
+    wide : bool, optional
+        One row rather than one column.
     """
     axes.set_axis_off()
     bars: list[tuple[str, Any, Normalize]] = [("crack opening [µm]", HEAT, look.opening)]

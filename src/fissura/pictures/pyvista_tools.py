@@ -53,7 +53,13 @@ window.Render()
 
 
 def pyvista() -> Any:
-    """The module PyVista; an `InputError` where it is not installed."""
+    """The module PyVista.
+
+    Raises
+    ------
+    InputError
+        It is not installed.
+    """
     try:
         return import_module("pyvista")
     except ImportError:
@@ -80,8 +86,15 @@ def can_render() -> bool:
 def plotter(*, off_screen: bool | None = None) -> Any:
     """An empty view, white, with axes in a corner.
 
-    It is drawn into memory or in a window, or as PyVista decides for None, as in a notebook. Where PyVista is not
-    installed, or nothing can be drawn, there is an `InputError`.
+    Parameters
+    ----------
+    off_screen : bool, optional
+        Whether it is drawn into memory instead of a window; None where PyVista decides, as in a notebook.
+
+    Raises
+    ------
+    InputError
+        PyVista is not installed, or nothing can be drawn here.
     """
     pyvista()
     if not can_render():
@@ -94,7 +107,13 @@ def plotter(*, off_screen: bool | None = None) -> Any:
 
 
 def screenshot(view: Any, path: Path) -> None:
-    """Write a picture of a view, as a whole or not at all; the view is closed after it."""
+    """Write a picture of a view, as a whole or not at all; the view is closed after it.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
     from PIL import Image
 
     with _quiet():
@@ -105,9 +124,16 @@ def screenshot(view: Any, path: Path) -> None:
 
 
 def legend(view: Any, entries: Sequence[tuple[str, str]]) -> None:
-    """Names beside squares of their colours, each once, along the lower edge of a view.
+    """Names beside squares of their colours, along the lower edge of a view.
 
     PyVista's own legend writes names in the colours, of which light ones cannot be read.
+
+    Parameters
+    ----------
+    view : pyvista.Plotter
+        Where.
+    entries : sequence of (str, str)
+        Names and colours; each name is shown once.
     """
     names = dict(entries)
     rows = -(-len(names) // COLUMNS)
@@ -121,7 +147,12 @@ def legend(view: Any, entries: Sequence[tuple[str, str]]) -> None:
 def shown(view: Any, title: str, output: Path | None = None) -> Any:
     """Open a window, show a view in a notebook, or write a picture of it.
 
-    Where there is no screen to open a window on, or the picture would be no PNG, there is an `InputError`.
+    Raises
+    ------
+    InputError
+        There is no screen to open a window on, or the picture would be no PNG.
+    OSError
+        The file cannot be written.
     """
     if output is not None:
         check_picture(output, "output")
@@ -135,7 +166,13 @@ def shown(view: Any, title: str, output: Path | None = None) -> Any:
 
 
 def check_picture(output: Path, key: str) -> None:
-    """Refuse a picture of a view that is no PNG."""
+    """Refuse a picture of a view that is no PNG.
+
+    Raises
+    ------
+    InputError
+        It would be none.
+    """
     if output.suffix.lower() != ".png":
         raise InputError(key, f"{output}: views are written as .png only", "a name that ends in .png")
 
@@ -157,7 +194,12 @@ def toggled(view: Any, actors: Sequence[Any], opacity: float, hint: str) -> None
 def polygon_mesh(points: FloatArray, offsets: IntArray) -> Any:
     """Polygons as a PyVista mesh, one cell for each.
 
-    Corners of polygon ``k`` are ``points[offsets[k]:offsets[k + 1]]``; shapes (p, 3) and (q + 1,).
+    Parameters
+    ----------
+    points : (p, 3) array
+        Corners of all polygons, one polygon after another.
+    offsets : (q + 1,) array
+        Corners of polygon ``k`` are ``points[offsets[k]:offsets[k + 1]]``.
     """
     sizes = np.diff(offsets)
     if not len(sizes):

@@ -31,8 +31,26 @@ def result_view(
 ) -> Any:
     """Show a step: what bodies have of the surface, transparent, and the cracks inside, coloured by their opening.
 
-    Step, factor on displacements and errors are those of `Result.show`; `off_screen` is that of `plotter`, which this
-    returns. Its method ``show`` opens the window, or shows the view in a notebook.
+    Parameters
+    ----------
+    result : Result
+        The run.
+    step : int, optional
+        Which step; the last one by default.
+    magnify : float, optional
+        Factor on displacements; by default a round number such that the largest is a few per cent of the specimen.
+    off_screen : bool, optional
+        Whether it is drawn into memory instead of a window; None where PyVista decides, as in a notebook.
+
+    Returns
+    -------
+    pyvista.Plotter
+        Its method ``show`` opens the window, or shows the view in a notebook.
+
+    Raises
+    ------
+    InputError
+        There is no state of this step, or PyVista is not installed.
     """
     number = step_of(result, step)
     view, meshes = plotter(off_screen=off_screen), meshes_of(result, number)
@@ -68,7 +86,10 @@ def result_view(
 def skin_of(bodies: Any) -> Any:
     """Faces of bodies that lie on the surface of the specimen, as a PyVista mesh with the data of the bodies.
 
-    The bodies are polyhedra that share no points, where they were before they moved.
+    Parameters
+    ----------
+    bodies : pyvista.UnstructuredGrid
+        Polyhedra that share no points, where they were before they moved.
     """
     with warnings.catch_warnings():  # versions of PyVista differ in how they want to be asked
         warnings.simplefilter("ignore")

@@ -65,10 +65,18 @@ class Look:
 
 
 def look_of(case: Case, frames: Sequence[Frame], *, stress: bool = False, magnify: float | None = None) -> Look:
-    """Find scales and a window that suit all given frames, of one run or of several.
+    """Find scales and a window that suit all given frames.
 
-    Bodies are coloured by stress or by size. The factor on displacements is by default a round number such that the
-    largest is a few per cent of the specimen.
+    Parameters
+    ----------
+    case : Case
+        What was run.
+    frames : sequence of Frame
+        What is to be drawn, of one run or of several.
+    stress : bool, optional
+        Colour bodies by their largest principal stress.
+    magnify : float, optional
+        Factor on displacements; by default a round number such that the largest is a few per cent of the specimen.
     """
     bounds = domain_from_case(case).bounds[:, :2]
     moved = [_moved(frame.section.lines[:, 0], frame.motion[frame.section.sides[:, 0]]) for frame in frames]
@@ -117,7 +125,16 @@ def magnification(largest: float, size: float) -> float:
 class SideView:
     """A view of the specimen whose step can be changed.
 
-    Limits of the axes are set, their frame is taken away; lines around bodies are `thin` times as wide.
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw; its limits are set, its frame is taken away.
+    case : Case
+        What was run.
+    look : Look
+        Scales and window.
+    thin : float, optional
+        Factor on the width of the lines around bodies.
     """
 
     def __init__(self, axes: Axes, case: Case, look: Look, thin: float = 1.0) -> None:

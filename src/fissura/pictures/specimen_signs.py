@@ -155,7 +155,20 @@ class Signs:
 
 
 def signs_of(case: Case, domain: Domain) -> Signs:
-    """Place the signs of a case on its specimen; an `InputError` where a place is not on the surface."""
+    """Place the signs of a case on its specimen.
+
+    Parameters
+    ----------
+    case : Case
+        What is held, loaded and measured.
+    domain : Domain
+        Its specimen.
+
+    Raises
+    ------
+    InputError
+        A place is not on the surface.
+    """
     l_f, thickness = case.discretization.l_f, THICKNESS * float(domain.size.max())
     plates: list[Plate] = []
 

@@ -153,7 +153,15 @@ def _gauge(place: Place, size: float) -> Symbol:
 
 
 class Symbols:
-    """Symbols in axes, whose unit is mm."""
+    """Symbols in a picture.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw, in mm.
+    found : list of Symbol
+        What to draw.
+    """
 
     def __init__(self, axes: Axes, found: list[Symbol]) -> None:
         self._found = found

@@ -32,7 +32,12 @@ class Line(Protocol):
 def line_on(console: Console, share: str) -> Line | None:
     """The line that suits a console; None where nothing can change in place.
 
-    How far it is the line tells in terms of ``task`` of Rich: ``percentage``, ``completed``, ``total``.
+    Parameters
+    ----------
+    console : Console
+        Where to write.
+    share : str
+        How the line tells how far it is, in terms of ``task`` of Rich: ``percentage``, ``completed``, ``total``.
     """
     if console.is_jupyter:
         return NotebookLine()

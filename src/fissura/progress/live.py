@@ -43,7 +43,15 @@ def _count(number: int, thing: str) -> str:
 
 
 class Live:
-    """A moving line where there can be one, in a terminal or a notebook, and lines that stay; see `line_on`."""
+    """A moving line where there can be one, and lines that stay.
+
+    Parameters
+    ----------
+    console : Console
+        Where to write; a moving line if it is a terminal or a notebook.
+    share : str
+        How the line tells how far it is, see `fissura.progress.lines.line_on`.
+    """
 
     def __init__(self, console: Console, share: str) -> None:
         self._console = console
@@ -65,7 +73,15 @@ class Live:
 
 
 class RunProgress(Live):
-    """Shows the steps of a run while it goes on; the case says how far it is."""
+    """Shows the steps of a run while it goes on.
+
+    Parameters
+    ----------
+    console : Console
+        Where to write; a moving line if it is a terminal or a notebook.
+    case : Case
+        What is run: it says how far.
+    """
 
     def __init__(self, console: Console, case: Case) -> None:
         super().__init__(console, "{task.percentage:3.0f} %")

@@ -30,7 +30,20 @@ class TimeLeft:
         self._shares: list[float] = []
 
     def after(self, time: float, share: float) -> float | None:
-        """Time to the end [s], at a time on any clock [s] with this share done; None while the pace is no guide."""
+        """Take note of how far a run is.
+
+        Parameters
+        ----------
+        time : float
+            Any clock [s].
+        share : float
+            What is done by then, 0 to 1.
+
+        Returns
+        -------
+        float or None
+            Time to the end [s]; None as long as the pace is no guide.
+        """
         times, shares = self._times, self._shares
         times.append(time)
         shares.append(share)

@@ -44,7 +44,16 @@ def shown_steps(result: Result) -> list[int]:
 
 
 def states_of(result: Result, steps: Iterable[int], most: int = MOST_BYTES) -> list[State]:
-    """States of steps; fewer of them, or fewer cracks in them, where they would take more letters than they may.
+    """States of steps; fewer of them, or fewer cracks in them, where they would take more than they may.
+
+    Parameters
+    ----------
+    result : Result
+        A run.
+    steps : iterable of int
+        Steps with recorded states.
+    most : int, optional
+        Letters that all of them may take in a page.
 
     Returns
     -------
@@ -67,7 +76,17 @@ def states_of(result: Result, steps: Iterable[int], most: int = MOST_BYTES) -> l
 
 
 def chosen(result: Result, steps: Sequence[int], most: int) -> list[int]:
-    """Choose some steps, evenly over the dissipated energy; the last one, and that of the peak, are among them."""
+    """Choose steps evenly over the dissipated energy; the last one, and that of the peak, are among them.
+
+    Parameters
+    ----------
+    result : Result
+        The run.
+    steps : sequence of int
+        Steps to choose from, ascending.
+    most : int
+        How many to choose, 1 or more.
+    """
     if len(steps) <= most:
         return list(steps)
     row = {int(number): k for k, number in enumerate(result.curve["step"])}

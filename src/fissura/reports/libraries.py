@@ -44,7 +44,13 @@ def have_libraries() -> bool:
 
 
 def require_libraries() -> None:
-    """Make sure that a page can be made; an `InputError` where the extra ``report`` is not installed."""
+    """Make sure that a page can be made.
+
+    Raises
+    ------
+    InputError
+        The extra ``report`` is not installed.
+    """
     missing = _missing()
     if missing:
         several = "are not installed; reports need them" if len(missing) > 1 else "is not installed; reports need it"

@@ -39,7 +39,15 @@ def status_told(result: Result) -> str | None:
 
 
 def origin_rows(summary: Mapping[str, Any], seed: str) -> list[tuple[str, str]]:
-    """Names and values of seed, program, machine and date in a summary; those of earlier versions lack some of them."""
+    """Names and values of seed, program, machine and date.
+
+    Parameters
+    ----------
+    summary : mapping
+        Content of a ``summary.json``; those of earlier versions lack some of them.
+    seed : str
+        What to say of the seed.
+    """
     versions = dict(summary.get("versions") or {})
     fissura = versions.pop("fissura", "unknown")
     return [

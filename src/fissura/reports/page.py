@@ -24,10 +24,23 @@ SCRIPTS = ("data.js", "curve.js", "view.js", "page.js")
 def rendered(
     template: str, values: Mapping[str, Any], data: Mapping[str, Any] | None = None, *, package: str = "fissura.reports"
 ) -> str:
-    """Make a page from a template of a package, or of this one; whatever users wrote stands there letter by letter.
+    """Make a page; whatever users wrote stands there letter by letter.
 
-    The template names the values, ``title`` among them. The data are what the page's JavaScript draws, ``kind`` among
-    them; without them a page needs no JavaScript, and Jinja only, not all of the extra ``report``.
+    Parameters
+    ----------
+    template : str
+        File in the folder ``templates`` of a package.
+    values : mapping
+        What it names; ``title`` is one of them.
+    data : mapping, optional
+        What the page's JavaScript draws, ``kind`` among it; None for a page without JavaScript, which needs Jinja only.
+    package : str, optional
+        Where the template is; it may extend those of this package.
+
+    Raises
+    ------
+    InputError
+        The extra ``report`` is not installed.
     """
     if data is not None:
         require_libraries()
@@ -49,7 +62,15 @@ def rendered(
 
 
 def write_page(page: str, path: Path) -> None:
-    """Write a page, as a whole or not at all; one that is larger than `MOST_BYTES` is an `InputError`."""
+    """Write a page, as a whole or not at all.
+
+    Raises
+    ------
+    InputError
+        It is larger than `MOST_BYTES`.
+    OSError
+        It cannot be written.
+    """
     data = page.encode(errors="replace")
     if len(data) > MOST_BYTES:
         size, most = (f"{number / 1e6:.1f} MB" for number in (len(data), MOST_BYTES))

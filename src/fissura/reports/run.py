@@ -26,9 +26,21 @@ __all__ = ["run_page", "write_run_page"]
 
 
 def write_run_page(result: Result, path: Path) -> None:
-    """Write the page of a run, as a whole or not at all; also of one that did not finish, or left no states.
+    """Write the page of a run, as a whole or not at all.
 
-    An `InputError` says that the extra ``report`` is not installed, or that the page would be larger than 15 MB.
+    Parameters
+    ----------
+    result : Result
+        Any run, also one that did not finish, or left no states.
+    path : Path
+        File to write.
+
+    Raises
+    ------
+    InputError
+        The extra ``report`` is not installed, or the page would be larger than 15 MB.
+    OSError
+        It cannot be written.
     """
     write_page(run_page(result), path)
 

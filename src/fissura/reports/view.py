@@ -36,9 +36,23 @@ ANGLE = 30.0
 
 
 def scene_of(case: Case, domain: Domain, states: Sequence[State] = (), marks: Marks | None = None) -> dict[str, Any]:
-    """What a page needs to draw the states of a run, or a specimen without any, and marks in it; for `packed`.
+    """What a page needs to draw a specimen, or the states of a run.
 
-    The states are those of `fissura.reports.bodies.states_of`.
+    Parameters
+    ----------
+    case : Case
+        The case.
+    domain : Domain
+        Its specimen, which is drawn where there are no states.
+    states : sequence of dict, optional
+        Of `fissura.reports.bodies.states_of`.
+    marks : Marks, optional
+        Points with values in the specimen.
+
+    Returns
+    -------
+    dict
+        For `fissura.reports.packed.packed`.
     """
     bounds = MM * domain.bounds
     return {

@@ -23,6 +23,11 @@ def torn_at_places(curve: Curve) -> list[Notice]:
     """Whether most of the energy was dissipated by contacts of the bodies on which the load or the supports act.
 
     Then single bodies were pulled out or crushed, which ends a run like a crack through the specimen would.
+
+    Parameters
+    ----------
+    curve : Curve
+        Curve of a run; see `fissura.results.curve.case_columns`.
     """
     column = re.compile(r"dissipated_at_(load|support)(?:_(.+))?_J")
     keys = {name: _key(*found.groups()) for name in curve if name != ALL and (found := column.fullmatch(name))}

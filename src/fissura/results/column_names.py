@@ -16,7 +16,21 @@ __all__ = ["column_among", "column_named"]
 
 
 def column_named(columns: Iterable[str], name: str, key: str) -> str:
-    """The column that is meant: its name may be without the unit; an `InputError` if there is none, or it holds words.
+    """The column that is meant: its name may be without the unit.
+
+    Parameters
+    ----------
+    columns : iterable of str
+        Those that there are.
+    name : str
+        What was asked for.
+    key : str
+        Where, for the message.
+
+    Raises
+    ------
+    InputError
+        There is none, or it holds words.
 
     Examples
     --------
@@ -29,7 +43,13 @@ def column_named(columns: Iterable[str], name: str, key: str) -> str:
 
 
 def column_among(columns: Sequence[str], name: str, key: str, of: str = "the curve") -> str:
-    """The column that is meant: its name may be without the unit; an `InputError` where there is none."""
+    """The column that is meant: its name may be without the unit.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
     found = [column for column in columns if name in (column, split_unit(column)[0])]
     if found:
         return found[0]

@@ -41,8 +41,19 @@ def common_quantity(a: Case, b: Case, key: str) -> Quantity:
     """Choose what the loads of two runs are compared over.
 
     It is what both control. Where one controls its gauge and the other the displacement of its load, it is the gauge if
-    both have the same one, else the displacement if both have the same load. An `InputError` about the first run, which
-    the key names, says that they have neither in common.
+    both have the same one, else the displacement if both have the same load.
+
+    Parameters
+    ----------
+    a, b : Case
+        The cases of the runs.
+    key : str
+        Name of the first run in messages.
+
+    Raises
+    ------
+    InputError
+        They have neither in common.
     """
     if a.quantity == b.quantity:
         return a.quantity
@@ -59,7 +70,15 @@ def common_quantity(a: Case, b: Case, key: str) -> Quantity:
 
 
 def comparison_notices(a: Case, b: Case, quantity: Quantity) -> tuple[Notice, ...]:
-    """Warnings about runs of different specimens, or about values that do not mean the same in both."""
+    """Warnings about runs of different specimens, or about values that do not mean the same in both.
+
+    Parameters
+    ----------
+    a, b : Case
+        The cases of the runs.
+    quantity : str
+        What their loads are compared over.
+    """
     found = []
     different = {
         name: values

@@ -57,6 +57,16 @@ def compare(a: Result | str | Path, b: Result | str | Path) -> Comparison:
 def compare_results(a: Result, b: Result) -> Comparison:
     """Compare two results, and warn of nothing; see `compare`.
 
+    Parameters
+    ----------
+    a, b : Result
+        The runs.
+
+    Returns
+    -------
+    Comparison
+        Their differences.
+
     Raises
     ------
     InputError

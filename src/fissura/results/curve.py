@@ -135,7 +135,20 @@ def _place_columns(loads: Iterable[str], held: Sequence[str]) -> tuple[str, ...]
 
 
 def row(step: Step, cpu_s: float, wall_s: float) -> Row:
-    """Values of all columns, also those of `case_columns`, in one step; processor and wall time since the start [s]."""
+    """Row of the curve for one step.
+
+    Parameters
+    ----------
+    step : Step
+        An accepted step.
+    cpu_s, wall_s : float
+        Processor and wall time since the simulation was built [s].
+
+    Returns
+    -------
+    dict
+        Value of every column of `COLUMNS` and of `case_columns`.
+    """
     *at, at_all = step.dissipated_at.tolist()
     force, moment = (float(np.linalg.norm(part)) for part in (step.rest[:3], step.rest[3:]))
     found: Row = {
@@ -164,7 +177,13 @@ def columns(rows: Iterable[Mapping[str, float | str]]) -> Curve:
 
 
 class GrowingCurve:
-    """A curve that grows by one row at a time; its columns are made of the rows that are new only."""
+    """A curve that grows by one row at a time; its columns are made of the rows that are new only.
+
+    Parameters
+    ----------
+    curve : dict of str to (steps,) array, optional
+        What it begins with.
+    """
 
     def __init__(self, curve: Curve | None = None) -> None:
         self._rows: list[Row] = []

@@ -18,7 +18,19 @@ __all__ = ["CurveWriter"]
 class CurveWriter:
     """Writes ``curve.csv`` row by row, so that a run that is killed keeps its curve.
 
-    An older file is replaced; the new one begins with the rows of a curve, if there is one.
+    Parameters
+    ----------
+    path : Path
+        File to write; an older one is replaced.
+    names : sequence of str
+        Its columns.
+    curve : dict of str to (steps,) array, optional
+        Rows that it begins with.
+
+    Raises
+    ------
+    OSError
+        It cannot be written.
     """
 
     def __init__(self, path: Path, names: Sequence[str] = COLUMNS, curve: Curve | None = None) -> None:
@@ -38,7 +50,13 @@ class CurveWriter:
         return self._line([_written(name, values[name]) for name in self._names])
 
     def write(self, values: Mapping[str, float | str]) -> None:
-        """Append one row and hand it to the operating system; a row that does not fit on the disk is not there."""
+        """Append one row and hand it to the operating system; a row that does not fit on the disk is not there at all.
+
+        Raises
+        ------
+        OSError
+            It cannot be written.
+        """
         end, line = self._file.seek(0, os.SEEK_END), self._row(values)
         try:
             written = 0

@@ -14,7 +14,14 @@ __all__ = ["frame"]
 
 
 def frame(columns: Mapping[str, NDArray[Any]], index: str) -> Any:
-    """Columns, shape (n,), as a ``pandas.DataFrame``, one of them as its index.
+    """Columns as a ``pandas.DataFrame``.
+
+    Parameters
+    ----------
+    columns : mapping of str to (n,) array
+        Columns by name.
+    index : str
+        The one that becomes the index.
 
     Raises
     ------

@@ -16,6 +16,11 @@ class Done:
     One is the share of the ways to the targets that the controlled quantity has gone. The other, where there is one
     target, and dissipated energy leads by choice or ``stop_load`` is above 0, is the share of the load's fall from its
     peak to ``stop_load``.
+
+    Parameters
+    ----------
+    case : Case
+        What is run.
     """
 
     def __init__(self, case: Case) -> None:
@@ -26,9 +31,14 @@ class Done:
         self.share = 0.0
 
     def after(self, done: float, load: float) -> float:
-        """Share after a step, from 0 to 1, by the share of the programme that is done, and the load [N].
+        """Take note of an accepted step, by the share of the programme that is done, and its load [N].
 
         Attributes ``peak`` (largest magnitude of the load so far [N]) and ``share`` are up to date then.
+
+        Returns
+        -------
+        float
+            The share after this step, from 0 to 1.
         """
         load = abs(load)
         self.peak = max(self.peak, load)

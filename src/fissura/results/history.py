@@ -72,7 +72,15 @@ class Frame:
 
 
 class HistoryWriter:
-    """Takes the section at a z [m] of every step, and writes them all at the end of a run, or in parts on the way."""
+    """Takes the section of every step, and writes them all at the end of a run, or in parts on the way.
+
+    Parameters
+    ----------
+    z : float
+        Where the plane is [m].
+    frames : iterable of Frame, optional
+        Steps that it begins with.
+    """
 
     def __init__(self, z: float, frames: Iterable[Frame] = ()) -> None:
         self._z = z
@@ -140,8 +148,14 @@ class HistoryWriter:
     def read(self, paths: Iterable[Path], steps: int, tessellation: Tessellation) -> None:
         """Take what was written before instead of a start.
 
-        These are files that `write` wrote, which agree where they hold the same step; so many steps, the unloaded
-        structure included; and the tessellation of the last one of them.
+        Parameters
+        ----------
+        paths : iterable of Path
+            Files that `write` wrote. Where they hold the same step, they agree.
+        steps : int
+            Steps to take, the unloaded structure included.
+        tessellation : Tessellation
+            Of the last one of them.
 
         Raises
         ------

@@ -47,7 +47,13 @@ class LoadPath:
 
     @classmethod
     def of(cls, curve: Curve, key: str, quantity: Quantity) -> LoadPath:
-        """Path of a curve, over gauge or displacement of the load; an `InputError` where no step has a positive one."""
+        """Path of a curve, over the gauge or over the displacement of the load.
+
+        Raises
+        ------
+        InputError
+            The curve has no step in which that is positive.
+        """
         value = curve[COLUMN_OF[quantity]].astype(np.float64)
         if not np.any(value > 0):
             raise InputError(key, f"has no step with a positive {NAMES[quantity]}", "a run of at least one step")
@@ -82,8 +88,12 @@ class LoadPath:
         """Energies, and the same at them, from the last step on that dissipated nothing.
 
         The elastic steps before it all have the same energy, up to round-off, and so have those of a cycle: of steps
-        with one energy the one with the largest load counts, at which a cycle has turned. A run that dissipated nothing
-        is an `InputError`.
+        with one energy the one with the largest load counts, at which a cycle has turned.
+
+        Raises
+        ------
+        InputError
+            The run dissipated nothing.
         """
         energy = np.maximum.accumulate(self.energy)
         energy[energy <= ROUND_OFF * energy[-1]] = 0.0

@@ -77,7 +77,10 @@ def columns_named(names: Sequence[str]) -> list[Column | None]:
 def columns_of_units(names: Sequence[str], units: Sequence[str], key: str) -> list[Column | None]:
     """Columns whose units are told: one for each, or one for lengths and one for all others.
 
-    Too few units, or one that is not of a length or a force, are an `InputError`.
+    Raises
+    ------
+    InputError
+        There are too few units, or one is not of a length or a force.
     """
     if len(units) == 2 and len(names) == 3:
         units = [units[0], units[1], units[1]]
@@ -97,8 +100,21 @@ def chosen(
 ) -> tuple[Column, ...]:
     """One column of lengths, then one or two of loads.
 
-    They are those that are wanted, by names with or without units, else all. A unit that is missing, and a choice that
-    there is not, are an `InputError`.
+    Parameters
+    ----------
+    columns : sequence of Column or None
+        Those of the file.
+    names : sequence of str
+        Their names.
+    wanted : sequence of str
+        Names of those that are meant, with or without units; empty for all.
+    path, key : str
+        For messages.
+
+    Raises
+    ------
+    InputError
+        A unit is missing, or there is no such choice.
     """
     if wanted:
         places = [_place(name, names, path, key) for name in wanted]

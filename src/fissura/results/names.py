@@ -18,9 +18,19 @@ _TOLD = 3
 
 
 def load_name(case: Case, ratios: Sequence[tuple[str, float]] | None = None) -> str:
-    """What is driven: "load" where it needs no name, else the names of all of it.
+    """Name of the load of the last stage, or of another one.
 
-    It is that of the last stage, or what the given pairs of name and ratio say.
+    Parameters
+    ----------
+    case : Case
+        What is run.
+    ratios : sequence of (str, float), optional
+        Loads that a stage drives; those of the last one by default.
+
+    Returns
+    -------
+    str
+        "load" where it needs no name, else the names of all that are driven.
     """
     names = [name for name, _ in (case.main.ratios if ratios is None else ratios)]
     if names == ["load"]:

@@ -22,10 +22,15 @@ def peak_position(load: FloatArray) -> int:
 
 
 def negative_before_peak(load: FloatArray, gauge: FloatArray) -> list[Notice]:
-    """Whether the load of a run was negative before its peak, or at it; loads [N] and gauges [m] of at least one step.
+    """Whether the load of a run was negative before its peak, or at it.
 
     The first stiffness is positive, so this is never asked for: the load then pushes a specimen forwards that has come
     loose, or pulls back one that is deforming too far.
+
+    Parameters
+    ----------
+    load, gauge : (steps,) array
+        Loads [N] and gauges [m] of a run with at least one step.
     """
     until = peak_position(load) + 1
     negative = np.flatnonzero(load[:until] < -_ROUND_OFF * np.abs(load).max())

@@ -45,7 +45,13 @@ class Polyhedra:
 
 
 def polygon_normals(polygons: Polygons) -> FloatArray:
-    """Normals (q, 3) of polygons by Newell's formula, twice the area long [m^2]; right-handed about the corners."""
+    """Normals of polygons by Newell's formula, as long as twice the polygon's area.
+
+    Returns
+    -------
+    (q, 3) array
+        Right-handed about the order of the corners [m^2].
+    """
     if len(polygons) == 0:
         return np.zeros((0, 3))
     start = polygons.offsets[:-1]
@@ -60,8 +66,13 @@ def polygon_normals(polygons: Polygons) -> FloatArray:
 def polyhedra(tessellation: Tessellation) -> Polyhedra:
     """Polyhedron of every body.
 
-    Faces point outwards whatever the order of the corners in the tessellation. A facet of several polygons gives
-    several faces. Nothing is merged between bodies, so that each can move on its own.
+    Faces point outwards whatever the order of the corners in the tessellation. A facet of several
+    polygons gives several faces. Nothing is merged between bodies, so that each can move on its own.
+
+    Returns
+    -------
+    Polyhedra
+        Of all ``n`` bodies.
     """
     contacts, surface = tessellation.contacts, tessellation.surface
     inner, outer = contacts.polygons, surface.polygons

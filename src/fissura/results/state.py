@@ -58,7 +58,14 @@ def write_state(path: Path, step: Step | Moment) -> None:
 
 
 def read_state(path: str | Path) -> tuple[int, Snapshot]:
-    """Read a state that `write_state` wrote: the number of its step, and the snapshot.
+    """Read a state that `write_state` wrote.
+
+    Returns
+    -------
+    step : int
+        Number of the step.
+    snapshot : Snapshot
+        Its state.
 
     Raises
     ------
@@ -97,7 +104,13 @@ def state_file(number: int) -> str:
 
 
 def read_states(folder: Path) -> dict[int, Snapshot]:
-    """Read all states in a folder, by the numbers of their steps."""
+    """Read all states in a folder, by the numbers of their steps.
+
+    Raises
+    ------
+    InputError
+        A file is damaged or newer than this version of Fissura.
+    """
     named = sorted(path for path in folder.glob("state_*.npz") if path.stem.removeprefix("state_").isdecimal())
     found = dict(read_state(path) for path in (*named, folder / LAST) if path.exists())
     return dict(sorted(found.items()))

@@ -227,7 +227,10 @@ def write_summary(path: Path, summary: dict[str, Any]) -> None:
 def read_summary(path: str | Path) -> dict[str, Any]:
     """Read a ``summary.json`` (or that of a result folder), or another JSON file of ours.
 
-    A file that is missing, is not JSON, or has a layout newer than this version of Fissura is an `InputError`.
+    Raises
+    ------
+    InputError
+        The file is missing, is not JSON, or has a layout newer than this version of Fissura.
     """
     path = Path(path)
     if path.is_dir():
@@ -241,9 +244,12 @@ def read_summary(path: str | Path) -> dict[str, Any]:
 
 
 def result_folder(folder: str | Path) -> Path:
-    """Folder of a run's results; an `InputError` where there is none, or no run has left anything in it.
+    """Folder of a run's results.
 
-    The key of that is a path that tells, for ``"."``, too.
+    Raises
+    ------
+    InputError
+        There is no such folder, or no run has left anything in it. The key is a path that tells, for ``"."``, too.
     """
     folder = Path(folder)
     shown = folder.resolve() if folder.name in ("", "..") else folder

@@ -35,7 +35,12 @@ def bodies_grid(snapshot: Snapshot) -> Grid:
 
     meshio (5.3.5) gives bodies the data of others unless they are sorted so. Every body has points of its own, and the
     point data ``displacement`` is its rigid motion there, so that "Warp By Vector" opens the cracks. A body without
-    faces is left out. The arrays are documented in ``docs/files.md``.
+    faces is left out.
+
+    Returns
+    -------
+    Grid
+        Arrays as documented in ``docs/files.md``.
     """
     tessellation = snapshot.tessellation
     solid = polyhedra(tessellation)
@@ -74,8 +79,12 @@ def bodies_grid(snapshot: Snapshot) -> Grid:
 def contacts_grid(snapshot: Snapshot) -> Grid:
     """Contacts as polygons, one cell for each polygon of a facet, in the order of the contacts.
 
-    The point data ``displacement`` is the mean motion of the two bodies. The arrays are documented in
-    ``docs/files.md``.
+    The point data ``displacement`` is the mean motion of the two bodies.
+
+    Returns
+    -------
+    Grid
+        Arrays as documented in ``docs/files.md``.
     """
     contacts = snapshot.tessellation.contacts
     polygons = contacts.polygons
@@ -117,8 +126,13 @@ def write_snapshot(folder: Path, number: int, snapshot: Snapshot) -> None:
 def write_series(folder: Path, values: Mapping[int, float]) -> None:
     """Write ``bodies.pvd`` and ``contacts.pvd``, which list the files of some steps.
 
-    The values are the controlled quantity [m] at every step that was written, shown by ParaView as the time; where it
-    turns back from one of them to the next, the number of the step is shown instead.
+    Parameters
+    ----------
+    folder : Path
+        The result folder.
+    values : mapping of int to float
+        Controlled quantity [m] at every step that was written, shown by ParaView as the time; where it turns back from
+        one of them to the next, the number of the step is shown instead.
     """
     numbers = sorted(values)
     grows = all(values[a] < values[b] for a, b in pairwise(numbers))

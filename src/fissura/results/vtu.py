@@ -64,7 +64,15 @@ class Grid:
 
 
 def write_vtu(path: Path, grid: Grid) -> None:
-    """Write a grid as ``.vtu``; integers that fit are stored in 32 bits, real numbers as they are."""
+    """Write a grid; integers that fit are stored in 32 bits, real numbers as they are.
+
+    Parameters
+    ----------
+    path : Path
+        File to write, ``.vtu``.
+    grid : Grid
+        What to write.
+    """
     cells: dict[str, NDArray[Any]] = {
         "connectivity": grid.corners,
         "offsets": grid.ends,

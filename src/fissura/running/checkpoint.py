@@ -87,7 +87,13 @@ class Checkpoint:
 
 
 def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
-    """Write a checkpoint; what was there stays until it is whole."""
+    """Write a checkpoint; what was there stays until it is whole.
+
+    Raises
+    ------
+    OSError
+        It cannot be written.
+    """
     numbers, words = _parted(checkpoint.curve)
     arrays: dict[str, NDArray[Any]] = {"curve": np.stack(list(numbers.values())), **words}
     at_peak = checkpoint.peak is checkpoint.state
@@ -108,7 +114,13 @@ def _parted(curve: Curve) -> tuple[Curve, Curve]:
 
 
 def checkpoint_in(folder: Path) -> Path:
-    """Path of the checkpoint in a folder; an `InputError` where there is none."""
+    """Path of the checkpoint in a folder.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
     path = folder / FILE
     if not path.is_file():
         raise InputError(
@@ -120,7 +132,13 @@ def checkpoint_in(folder: Path) -> Path:
 
 
 def read_checkpoint(folder: Path) -> Checkpoint:
-    """Read the checkpoint in a folder; an `InputError` where there is none, or it is damaged, or of another version."""
+    """Read the checkpoint in a folder.
+
+    Raises
+    ------
+    InputError
+        There is none, or it is damaged, or another version of Fissura wrote it.
+    """
     path = checkpoint_in(folder)
     try:
         arrays = read_archive(path, FORMAT, FORMAT_VERSION)

@@ -16,10 +16,19 @@ __all__ = ["ChosenStates"]
 
 
 class ChosenStates:
-    """Decides which states are due, and writes them to a folder, if there is one.
+    """Decides which states are due, and writes them.
 
     Due are the steps at or first past ``k/n`` of the run's end (``n = case.output.vtk``, see
-    `fissura.results.done.Done`). Names of files that are about to be written are told to `own`.
+    `fissura.results.done.Done`).
+
+    Parameters
+    ----------
+    case : Case
+        What is run.
+    folder : Path or None
+        Where to write; None: nowhere.
+    own : callable
+        Takes names of files that are about to be written there.
 
     Attributes
     ----------
@@ -42,7 +51,15 @@ class ChosenStates:
         return self._done.share
 
     def due(self, moment: Moment, done: float) -> bool:
-        """Whether a step, with this share of the programme done, has reached another of the evenly spaced shares."""
+        """Whether a step has reached another of the evenly spaced shares of the run.
+
+        Parameters
+        ----------
+        moment : Moment
+            The step.
+        done : float
+            Share of the loading programme that is done.
+        """
         before = self._passed
         self._pass(self._done.after(done, moment.load))
         self.owed = self._passed > before
@@ -71,8 +88,16 @@ class ChosenStates:
     def resume(self, share: float, peak: float, written: Mapping[int, float], names: set[str]) -> None:
         """Go on with states that were written before, and remove others.
 
-        The run was done to this share, with this largest size of the load [N]; `written` are steps, and the controlled
-        quantity there [m], and `names` the files in the folder that are ours.
+        Parameters
+        ----------
+        share : float
+            Share of the run that is done.
+        peak : float
+            Largest size of the load so far [N].
+        written : mapping of int to float
+            Steps, and the controlled quantity there [m].
+        names : set of str
+            Files in the folder that are ours.
         """
         self._done.share, self._done.peak = share, peak
         self._pass(share)

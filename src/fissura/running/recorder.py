@@ -54,6 +54,11 @@ class Recorder:
         Where to write; made if needed. None: keep the results in memory only.
     begun : Begun, optional
         What was recorded there of this run, to go on with.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be made or written to.
     """
 
     def __init__(self, simulation: Simulation, folder: Path | None, begun: Begun | None = None) -> None:
@@ -116,9 +121,18 @@ class Recorder:
     def finish(self, status: str, message: str = "") -> Result:
         """Write what belongs to the end of the run, its final status last, and return the results.
 
-        Status and message are those of `build_summary`. Where a file cannot be written, or the user interrupts while
-        pictures are drawn, everything else is written all the same; the attribute ``result`` of the error has the
-        results.
+        Parameters
+        ----------
+        status : str
+            ``"finished"``, ``"stopped"``, ``"interrupted"``, ``"refused"`` or ``"failed"``.
+        message : str, optional
+            Why the run ended early.
+
+        Raises
+        ------
+        OSError, KeyboardInterrupt
+            A file cannot be written, or the user interrupts while pictures are drawn. Everything else is written; the
+            attribute ``result`` has the results.
         """
         for moment in (self._peak, self._last):
             if moment is not None:

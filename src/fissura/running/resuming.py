@@ -46,7 +46,13 @@ class Begun:
 
 
 def begun(simulation: Simulation, checkpoint: Checkpoint) -> Begun:
-    """Bring a simulation that has not begun to where a checkpoint was written; an `InputError` for another specimen."""
+    """Bring a simulation that has not begun to where a checkpoint was written.
+
+    Raises
+    ------
+    InputError
+        The specimen is another one than then.
+    """
     used, now = checkpoint.versions, versions()
     other = [f"{name} {used.get(name)}, now {now[name]}" for name in now if used.get(name) != now[name]]
     if other:

@@ -226,7 +226,13 @@ def _recorded(
 
 
 def with_seed(case: Case, seed: int) -> Case:
-    """The case with another seed, which is a whole number, 0 or larger."""
+    """Return the case with another seed.
+
+    Raises
+    ------
+    InputError
+        If the seed is not a whole number, 0 or larger.
+    """
     number = whole(seed)
     if number is None or not 0 <= number < 2**63:
         raise InputError("seed", f"{show(seed)} is not possible", "a whole number, 0 or larger")

@@ -29,9 +29,16 @@ class _Handler(logging.FileHandler):
 
 
 class RunLog:
-    """Writes lines of the standard library's logging: time, level and message; a log may be continued.
+    """Writes lines of the standard library's logging: time, level and message.
 
     What modules of Fissura log from the level WARNING on goes into it, too, and below that what their loggers let pass.
+
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    go_on : bool
+        Whether it is continued.
     """
 
     def __init__(self, path: Path, *, go_on: bool) -> None:
@@ -41,12 +48,30 @@ class RunLog:
         self._logger.addHandler(self._handler)
 
     def begin(self, case: Case, kind: str, done: int) -> None:
-        """Say what is run, adaptive or full and with how many bodies in words, and after how many steps it goes on."""
+        """Say what is run, and from which step on.
+
+        Parameters
+        ----------
+        case : Case
+            The case.
+        kind : str
+            Adaptive or full, and its bodies, in words.
+        done : int
+            Steps before.
+        """
         self._say(", ".join(f"{name} {version}" for name, version in versions().items()) + f", commit {commit()}")
         self._say(f"{case.name}, seed {case.seed}, {kind}" + (f", continued after step {done}" if done else ""))
 
     def step(self, step: Step, quantity: str) -> None:
-        """Tell of an accepted step, by the quantity that is controlled."""
+        """Tell of an accepted step.
+
+        Parameters
+        ----------
+        step : Step
+            The step.
+        quantity : str
+            What is controlled.
+        """
         show = text.force if quantity == "force" else text.length
         control = ", under dissipation control" if step.control == "dissipation" else ""
         self._say(
@@ -57,7 +82,17 @@ class RunLog:
             self._say(f"step {step.number}: refined {step.refinements} times, coarsened {step.coarsenings} times")
 
     def end(self, status: str, message: str, wall: float, cpu: float) -> None:
-        """Say how the run has ended and why, if that is known, with its wall and processor time [s]."""
+        """Say how the run has ended, with its wall and processor time [s].
+
+        Parameters
+        ----------
+        status : str
+            How.
+        message : str
+            Why, or ``""``.
+        wall, cpu : float
+            Times [s].
+        """
         told = f"{status}: {message}" if message else status
         self._say(f"{told}, wall time {text.seconds(wall)}, processor time {text.seconds(cpu)}")
         self.close()

@@ -28,9 +28,25 @@ _SHARE = 0.01
 
 
 class CheckpointWriter:
-    """Writes the checkpoints of a run, which may go on from an earlier one, into its folder.
+    """Writes the checkpoints of a run.
 
     Sections of the specimen are many and never change, so each checkpoint puts only those into a file that are new.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        The run.
+    folder : Folder
+        Where it writes.
+    history : HistoryWriter
+        Sections so far.
+    begun : Checkpoint, optional
+        From which the run goes on.
+
+    Attributes
+    ----------
+    memory : float
+        Largest memory so far [bytes].
     """
 
     def __init__(
@@ -75,9 +91,27 @@ class CheckpointWriter:
         owed: bool = False,
         at_end: bool = False,
     ) -> None:
-        """Write a checkpoint, with what `Checkpoint` has; where that fails, the one before stays.
+        """Write a checkpoint.
 
-        At the end all sections are in one file.
+        Parameters
+        ----------
+        curve : dict of str to (steps,) array
+            The curve so far.
+        written : iterable of int
+            Steps whose states are written for ParaView.
+        share : float
+            Share of the run that is done.
+        cpu_s, wall_s : float
+            Processor and wall time so far [s].
+        owed : bool
+            The state of the last step is still to be written.
+        at_end : bool
+            All sections are in one file now.
+
+        Raises
+        ------
+        OSError
+            It cannot be written; the one before stays.
         """
         if self._every == 0.0 or self._state is None or self._peak is None:
             return

@@ -8,7 +8,17 @@ __all__ = ["Described", "aligned"]
 
 
 def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
-    """One line for each row of name and value, of which there are some; the values stand one below the other.
+    """One line for each row, the values one below the other.
+
+    Parameters
+    ----------
+    rows : sequence of (str, str)
+        Names and values, at least one.
+
+    Returns
+    -------
+    list of str
+        The lines.
 
     Examples
     --------
