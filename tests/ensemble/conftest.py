@@ -46,7 +46,7 @@ def tiny_file(tmp_path: Path) -> Path:
 @pytest.fixture
 def few_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw one picture only, to save time."""
-    monkeypatch.setattr(report, "PICTURES", {"convergence": report.PICTURES["convergence"]})
+    monkeypatch.setattr(report, "ENSEMBLE_PICTURES", {"convergence": report.ENSEMBLE_PICTURES["convergence"]})
 
 
 @pytest.fixture

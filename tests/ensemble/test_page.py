@@ -41,7 +41,7 @@ def folder(tiny: Build, tmp_path_factory: pytest.TempPathFactory) -> Path:
     for task in plan.tasks():
         store.write(compute(task))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(report, "PICTURES", {"curves": report.PICTURES["curves"]})
+        patch.setattr(report, "ENSEMBLE_PICTURES", {"curves": report.ENSEMBLE_PICTURES["curves"]})
         evaluate(plan, store)
     return place
 

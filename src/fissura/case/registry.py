@@ -7,6 +7,7 @@ read with this module, so it imports no room; what is behind a name is imported 
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
@@ -21,11 +22,14 @@ from fissura.errors import InputError
 
 if TYPE_CHECKING:
     from fissura.contact import ContactLaw
+    from fissura.pictures.registered import Picture
 
 __all__ = [
     "CRITERIA",
+    "ENSEMBLE_PICTURES",
     "GAUGES",
     "LAWS",
+    "PICTURES",
     "SHAPES",
     "SOLVERS",
     "SUPPORTS",
@@ -34,6 +38,9 @@ __all__ = [
 ]
 
 T = TypeVar("T")
+
+#: Names are keys of tables and files, too.
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
 
 
 class Registry(MutableMapping[str, T], Generic[T]):
@@ -62,8 +69,8 @@ class Registry(MutableMapping[str, T], Generic[T]):
     >>> from fissura.case.registry import CRITERIA
     >>> sorted(CRITERIA)
     ['rankine', 'utilisation']
-    >>> CRITERIA["largest shear"] = lambda state: abs(state.stress[:, 0, 1]) / state.strength
-    >>> del CRITERIA["largest shear"]
+    >>> CRITERIA["largest-shear"] = lambda state: abs(state.stress[:, 0, 1]) / state.strength
+    >>> del CRITERIA["largest-shear"]
     """
 
     def __init__(
@@ -81,6 +88,10 @@ class Registry(MutableMapping[str, T], Generic[T]):
         self._added: dict[str, T] = {}
 
     def __setitem__(self, name: str, thing: T) -> None:
+        if not _NAME.fullmatch(name):
+            raise InputError(
+                self.key, f"{name!r} is no name", "a letter, then letters, digits, - and _, up to 40 of them"
+            )
         wrong = self._wrong(thing)
         if wrong:
             raise InputError(self.key, f"{name!r} is no {self.what}: it {wrong}", f"a {self.what}")
@@ -90,7 +101,8 @@ class Registry(MutableMapping[str, T], Generic[T]):
         del self._added[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(sorted({*self._built_in, *self._added, *(point.name for point in self._offered())}))
+        others = {*self._added, *(point.name for point in self._offered())} - {*self._built_in}
+        return iter([*self._built_in, *sorted(others)])
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
@@ -149,7 +161,7 @@ class Registry(MutableMapping[str, T], Generic[T]):
         return _table_of(self.named(name))
 
     def _offered(self) -> list[EntryPoint]:
-        return list(entry_points(group=self.group))
+        return [point for point in entry_points(group=self.group) if _NAME.fullmatch(point.name)]
 
     def _loaded(self, point: EntryPoint) -> T:
         """What is behind an entry point."""
@@ -254,8 +266,8 @@ CRITERIA: Registry[Callable[[Any], Any]] = Registry(
     "adaptivity.criterion",
     "fissura.criteria",
     {
-        "utilisation": "fissura.adaptivity.criterion:utilisation",
         "rankine": "fissura.adaptivity.criterion:rankine",
+        "utilisation": "fissura.adaptivity.criterion:utilisation",
     },
 )
 """Refinement criteria: functions from an `ElasticState` to one value per body, 1 at its strength."""
@@ -265,9 +277,9 @@ SOLVERS: Registry[Callable[..., Any]] = Registry(
     "solver.linear",
     "fissura.solvers",
     {
+        "amg": "fissura.linear.symmetric:aggregation",
         "direct": "fissura.linear.symmetric:direct",
         "two-level": "fissura.linear.two_level:TwoLevel",
-        "amg": "fissura.linear.symmetric:aggregation",
     },
 )
 """Linear solvers: what makes a `LinearSolver` of a `Pattern`, nuclei (n, 3), a relative error in the energy norm, and
@@ -277,7 +289,7 @@ SUPPORTS: Registry[Callable[[Any, str], list[Any]]] = Registry(
     "kind of support",
     "supports.type",
     "fissura.supports",
-    {name: f"fissura.specimen.supports:{name}" for name in ("pin", "roller", "clamp", "guide")},
+    {name: f"fissura.specimen.supports:{name}" for name in ("clamp", "guide", "pin", "roller")},
 )
 """Kinds of support: functions from a `Place`, and its key for messages, to functionals that are held at zero."""
 
@@ -285,7 +297,7 @@ SHAPES: Registry[Callable[[Any, float], Any]] = Registry(
     "shape",
     "specimen.shape",
     "fissura.shapes",
-    {name: f"fissura.specimen.build:{name}_of" for name in ("box", "outline", "cylinder", "mesh")},
+    {name: f"fissura.specimen.build:{name}_of" for name in ("box", "cylinder", "mesh", "outline")},
     plain=("box", "outline", "cylinder", "mesh"),
     wrong=_no_table,
 )
@@ -302,3 +314,27 @@ GAUGES: Registry[Callable[[Any, Any], Any]] = Registry(
 )
 """Kinds of gauge: functions of their table, whose name is theirs, and of `Places`, to a `Functional`. That of Fissura
 has its keys in ``[gauge]`` itself."""
+
+
+def _no_picture(thing: Any) -> str:
+    missing = [name for name in ("draw", "caption", "text") if not hasattr(thing, name)]
+    return f"lacks {', '.join(missing)}" if missing else ""
+
+
+PICTURES: Registry[Picture] = Registry("picture of a run", "picture", "fissura.pictures", {}, wrong=_no_picture)
+"""Pictures for the page of a run, which draw a `Result`."""
+
+ENSEMBLE_PICTURES: Registry[Picture] = Registry(
+    "picture of an ensemble",
+    "picture",
+    "fissura.ensemble_pictures",
+    {
+        name: f"fissura.ensemble.pictures:{name.upper()}"
+        for name in (
+            *("curves", "curves_by_value", "peaks_by_value", "peaks", "papers"),
+            *("crack_starts", "convergence"),
+        )
+    },
+    wrong=_no_picture,
+)
+"""Pictures for the page of an ensemble, which draw an `EnsembleResult`."""

@@ -5,24 +5,21 @@ from __future__ import annotations
 import base64
 import math
 import os
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 import numpy as np
 
+from fissura.case.registry import ENSEMBLE_PICTURES
 from fissura.ensemble.groups import group_rows
 from fissura.ensemble.interactive import page_data
-from fissura.ensemble.pictures import PICTURES
 from fissura.ensemble.statistics import QUANTITIES
 from fissura.ensemble.table import varied_keys
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically
 from fissura.files.folder import Folder
-from fissura.pictures.attempted import attempted
-from fissura.pictures.curves import DPI
-from fissura.pictures.lettering import rendered as png_of
+from fissura.pictures.registered import drawn
 from fissura.reports.libraries import have_libraries
 from fissura.reports.origin import origin_rows
 from fissura.reports.page import rendered, write_page
@@ -35,24 +32,6 @@ if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult
 
 __all__ = ["write_report"]
-
-TEXTS = {
-    "curves": "Each thin line is a run. Mean and band are taken at the same gauge, or at the same dissipated energy if "
-    "the gauge of any run turns back. A run that has ended does not count beyond its end; where runs are missing, the "
-    "mean is dashed and the band is paler. Runs that stopped early are no part of either.",
-    "curves_by_value": "A colour for each point of the study; where it has several runs, these are thin lines, and the "
-    "thick one is their mean, up to where the first of them ends.",
-    "peaks_by_value": "Dots are runs, lines join means where all other values are the same. Bars are 95 % intervals "
-    "of the mean by Student's t. All points have the same seeds: differences between them are surer than bars say.",
-    "peaks": "Fitted by maximum likelihood. p is the probability of a worse fit by the test of Anderson and Darling if "
-    "the distribution is the right one.",
-    "papers": "The distribution is a straight line. Points are at median ranks (i − 0.3)/(n + 0.4). Bounds are for the "
-    "fitted line, at each probability for itself, by a parametric bootstrap of pivots.",
-    "crack_starts": "The centroid of the first contact that opened by G_t/f_t of the material's means: it has "
-    "lost about two thirds of its strength in tension there.",
-    "convergence": "Intervals of the mean by Student's t, of the coefficient of variation after Vangel (1996), for "
-    "independent runs from a Gaussian population.",
-}
 
 MOVING = ("curves", "curves_by_value")
 """Pictures that a page with curves that move need not show."""
@@ -110,23 +89,19 @@ def _pictures(result: EnsembleResult, *, keep: bool) -> list[dict[str, str]]:
     if own is not None:
         folder.mkdir(exist_ok=True)
     shown = []
-    for name, (draw, caption) in PICTURES.items():
-        figure = attempted(f"{name}.png", partial(draw, result))
+    for name, picture, data in drawn(ENSEMBLE_PICTURES, result):
         path = folder / f"{name}.png"
-        if figure is None:
+        if data is None:
             if own is not None and f"pictures/{path.name}" in own.names():
                 path.unlink(missing_ok=True)
-            continue
-        data = attempted(path.name, partial(png_of, figure, form="png", dpi=DPI))
-        if data is None:
             continue
         if own is not None:
             own.add(f"pictures/{path.name}")
             write_atomically(path, data)
-        note = TEXTS[name]
+        note = picture.text
         if name == "convergence" and result.plan.sampling == "latin-hypercube":
             note += " Only all runs together are a Latin hypercube, and its mean scatters less than the interval says."
-        shown.append({"name": name, "caption": caption, "text": note, "data": base64.b64encode(data).decode()})
+        shown.append({"name": name, "caption": picture.caption, "text": note, "data": base64.b64encode(data).decode()})
     return shown
 
 

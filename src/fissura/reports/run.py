@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import base64
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fissura.case.registry import PICTURES
 from fissura.errors import InputError
 from fissura.pictures.meshes import steps_with_states
+from fissura.pictures.registered import drawn
 from fissura.pictures.specimen_signs import signs_of
 from fissura.reports.bodies import shown_steps, states_of
 from fissura.reports.columns import columns_of, measured_of
@@ -62,6 +65,7 @@ def run_page(result: Result) -> str:
         "has_states": bool(states),
         "view_caption": told,
         "signs": [] if domain is None else signs_of(result.case, domain).legend,
+        "pictures": _pictures(result) if result.steps else [],
         "numbers": result.table(),
         "origin": [*origin_rows(result.summary, seed_told(result)), *_folder_name(result)],
         "bound": bound_told(result),
@@ -74,6 +78,15 @@ def run_page(result: Result) -> str:
         return rendered("run.html", values)
     data = {"kind": "run", "curve": columns_of(result), "measured": measured_of(result), "scene": scene}
     return rendered("run.html", values, data)
+
+
+def _pictures(result: Result) -> list[dict[str, str]]:
+    """Pictures that packages and programs have added."""
+    return [
+        {"caption": picture.caption, "text": picture.text, "data": base64.b64encode(data).decode()}
+        for _, picture, data in drawn(PICTURES, result)
+        if data is not None
+    ]
 
 
 def _states(result: Result) -> tuple[list[dict[str, Any]], str]:
