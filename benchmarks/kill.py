@@ -53,7 +53,7 @@ state, the sections, the states for ParaView and the summary of a run that was l
 
 def child(name: str, seed: int, folder: str) -> None:
     """Run a case, or go on with it if there is a checkpoint, and say when the specimen is built."""
-    from fissura.results import saving
+    from fissura.running import saving
 
     saving._SHARE = 1.0  # checkpoints as often as asked for, whatever they cost
     example, changes = CASES[name]

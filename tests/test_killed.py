@@ -20,7 +20,7 @@ import sys
 from pathlib import Path
 import fissura
 from conftest import small_beam
-from fissura.results import saving
+from fissura.running import saving
 saving._SHARE = 1.0
 folder = Path(sys.argv[1])
 resume = (folder / "checkpoint.npz").exists()

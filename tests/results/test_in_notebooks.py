@@ -18,7 +18,7 @@ from PIL import Image
 from fissura.api.check import CheckReport
 from fissura.errors import InputError
 from fissura.results import Result, compare, dataframe
-from fissura.results.column_names import column_named
+from fissura.results.names import column_named
 from fissura.running.recorder import Recorder
 from fissura.text.units import split_unit
 

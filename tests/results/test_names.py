@@ -8,7 +8,7 @@ import pytest
 from conftest import small_beam
 from fissura.results.load_path import LoadPath
 from fissura.results.names import driven_in, load_name, value_axis
-from fissura.results.summary import _pushes
+from fissura.results.notices import _pushes
 
 A, B = {"face": "top", "at": 0.04}, {"face": "top", "at": 0.07}
 SHEAR = {"load": "a", "control": "force", "to": "300 N"}

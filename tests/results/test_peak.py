@@ -5,7 +5,8 @@ import pytest
 
 from fissura.pictures.moments import moments
 from fissura.results import compare_results
-from fissura.results.peak import negative_before_peak, peak_position
+from fissura.results.curve import peak_position
+from fissura.results.notices import negative_before_peak
 from fissura.running.recorder import Recorder
 
 from .synthetic import simulation, steps

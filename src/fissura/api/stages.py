@@ -6,8 +6,8 @@ import math
 
 from fissura.case import Case, LoadingStage
 from fissura.case.programme import GRAVITY
+from fissura.text.quantities import counted, force
 from fissura.text.quantities import energy as joules
-from fissura.text.quantities import force
 
 __all__ = ["stages_in_words", "study_in_words"]
 
@@ -105,4 +105,4 @@ def study_in_words(case: Case) -> str:
     runs = len(part.seeds) or part.runs or 1
     points = len(points_of(case, part.vary, part.combine))
     keys = f" of {', '.join(part.vary)}" if part.vary else ""
-    return f"{runs} realisation{'s' if runs > 1 else ''} at {points} point{'s' if points > 1 else ''}{keys}"
+    return f"{counted(runs, 'realisation')} at {counted(points, 'point')}{keys}"

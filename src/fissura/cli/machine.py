@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -62,7 +61,9 @@ def tell_error(message: str, status: int, error: BaseException | None = None) ->
 
 def print_json(found: Mapping[str, Any]) -> None:
     """Write an object to standard output; what is not a finite number becomes null."""
-    typer.echo(json.dumps(_plain({"format_version": _FORMAT_VERSION, **found}), indent=1))
+    from fissura.files.atomic import plain
+
+    typer.echo(json.dumps(plain({"format_version": _FORMAT_VERSION, **found}), indent=1))
 
 
 def check_json(found: CheckReport) -> dict[str, Any]:
@@ -112,11 +113,3 @@ def comparison_json(found: Comparison) -> dict[str, Any]:
 
 def _notices(notices: Iterable[Notice]) -> list[dict[str, str]]:
     return [{"key": one.key, "problem": one.problem, "advice": one.advice} for one in notices]
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {name: _plain(part) for name, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(part) for part in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

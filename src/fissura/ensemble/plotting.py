@@ -14,7 +14,7 @@ from fissura.errors import InputError
 from fissura.pictures.curves import BLUE, tidy
 from fissura.pictures.lettering import literal
 from fissura.pictures.plotting import new_axes, scaled_axis
-from fissura.results.column_names import column_among
+from fissura.results.names import column_among
 from fissura.text.units import split_unit
 
 if TYPE_CHECKING:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-__all__ = ["force", "part_of", "replacing", "sync_folder", "write_atomically", "write_json"]
+__all__ = ["force", "part_of", "plain", "replacing", "sync_folder", "write_atomically", "write_json"]
 
 #: What file systems say that cannot force anything to their disk, as some network ones.
 _CANNOT_SYNC = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS}
@@ -85,6 +86,16 @@ def write_atomically(path: Path, data: bytes) -> None:
     """Write a whole file, or leave what was there; see `replacing`."""
     with replacing(path) as part:
         part.write_bytes(data)
+
+
+def plain(value: Any) -> Any:
+    """What strict JSON can hold: scalars of NumPy as those of Python, and None for what is not a finite number."""
+    if isinstance(value, Mapping):
+        return {name: plain(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
+    found = value.item() if hasattr(value, "item") else value
+    return None if isinstance(found, float) and not math.isfinite(found) else found
 
 
 def write_json(path: Path, data: Any) -> None:

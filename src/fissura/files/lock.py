@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from fissura.errors import InputError
-from fissura.files.exclusive import taken_by_others, try_lock
 from fissura.files.folder import MARK
 
-__all__ = ["locked"]
+if os.name == "nt":
+    import msvcrt
+else:
+    import fcntl
+
+__all__ = ["locked", "taken_by_others", "try_lock"]
+
+#: Where Windows locks, whose locks keep others from reading: far beyond the end of the file.
+_BYTE = 1 << 30
+
+#: What systems say of a lock that another one has.
+_TAKEN = {errno.EAGAIN, errno.EACCES, errno.EDEADLK, errno.EWOULDBLOCK}
 
 
 @contextmanager
@@ -71,3 +82,17 @@ def _is_there(path: Path, number: int) -> bool:
         return os.path.samestat(os.fstat(number), path.stat())
     except FileNotFoundError:
         return False
+
+
+def try_lock(number: int) -> None:
+    """Lock an open file, or raise an OSError; the lock vanishes with its process."""
+    if os.name == "nt":
+        os.lseek(number, _BYTE, os.SEEK_SET)
+        msvcrt.locking(number, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+    else:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def taken_by_others(error: OSError) -> bool:
+    """Whether a lock failed because another one has it, and not because there are no locks."""
+    return error.errno in _TAKEN

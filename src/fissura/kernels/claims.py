@@ -10,7 +10,7 @@ import os
 import time
 from pathlib import Path
 
-from fissura.files.exclusive import taken_by_others, try_lock
+from fissura.files.lock import taken_by_others, try_lock
 
 __all__ = ["Claims"]
 

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from fissura.case.types import whole
 from fissura.case.units import show
 from fissura.errors import InputError
+from fissura.text.quantities import counted
 
 __all__ = ["LIMITS", "VARIABLE", "side_by_side", "threads_each", "usable_processors"]
 
@@ -50,7 +51,7 @@ def side_by_side(option: str, value: int) -> int:
     """
     number, most = whole(value), max(8, 4 * usable_processors())
     if number is None or not 1 <= number <= most:
-        processors = f"{usable_processors()} processor" + ("s" if usable_processors() > 1 else "")
+        processors = counted(usable_processors(), "processor")
         raise InputError(option, f"{show(value)} is not possible with {processors}", f"a whole number, 1 to {most}")
     return number
 

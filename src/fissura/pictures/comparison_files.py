@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from matplotlib.backend_bases import FigureCanvasBase
 
 from fissura.errors import InputError
-from fissura.files.atomic import write_atomically, write_json
+from fissura.files.atomic import plain, write_atomically, write_json
 from fissura.pictures.curves import DPI, comparison_figure
 from fissura.pictures.lettering import save
 from fissura.pictures.moments import bodies_figure
@@ -34,7 +33,9 @@ def saved(comparison: Comparison, path: Path) -> Path:
         csv.writer(text, lineterminator="\n").writerows([("quantity", *HEADS), *rows])
         write_atomically(path, text.getvalue().encode())
     elif form == "json":
-        write_json(path, {name: _known(values) for name, values in comparison.numbers().items()})
+        write_json(
+            path, plain({name: dict(zip(HEADS, values, strict=True)) for name, values in comparison.numbers().items()})
+        )
     elif form in FigureCanvasBase.filetypes:
         save(comparison_figure(comparison), path, DPI)
     else:
@@ -43,7 +44,7 @@ def saved(comparison: Comparison, path: Path) -> Path:
     return path
 
 
-def save_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> None:
+def save_bodies(comparison: Comparison, path: Path) -> None:
     """Write the picture of `Comparison.plot_bodies`.
 
     Parameters
@@ -52,16 +53,10 @@ def save_bodies(comparison: Comparison, path: Path, *, stress: bool = False) -> 
         The runs.
     path : Path
         File to write; its ending decides the format.
-    stress : bool, optional
-        Colour bodies by their largest principal stress instead of showing which are fine.
 
     Raises
     ------
     InputError
         A run was read from a folder without sections.
     """
-    save(bodies_figure(comparison, stress=stress)[0], path, DPI)
-
-
-def _known(values: tuple[float, ...]) -> dict[str, float | None]:
-    return {name: value if math.isfinite(value) else None for name, value in zip(HEADS, values, strict=True)}
+    save(bodies_figure(comparison)[0], path, DPI)

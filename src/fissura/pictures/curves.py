@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from fissura.pictures.lettering import literal, may_shrink, save
+from fissura.results.curve import peak_position
 from fissura.results.measured import MeasuredBand, read_measured
 from fissura.results.names import load_name, value_axis
-from fissura.results.peak import peak_position
 from fissura.results.result import Result
 from fissura.text import quantities as text
 from fissura.text.units import scale_of

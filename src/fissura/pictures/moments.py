@@ -15,9 +15,8 @@ from fissura.pictures.curves import BLUE, DPI, INK, mark_point, note_above
 from fissura.pictures.lettering import literal, may_shrink, save
 from fissura.pictures.panels import draw_curve, draw_scales
 from fissura.pictures.side_view import Look, SideView, look_of
-from fissura.results.curve import COLUMN_OF
+from fissura.results.curve import COLUMN_OF, peak_position
 from fissura.results.history import Frame
-from fissura.results.peak import peak_position
 from fissura.results.result import Result
 from fissura.text import quantities as text
 

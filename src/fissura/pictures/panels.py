@@ -14,8 +14,8 @@ from matplotlib.ticker import MaxNLocator
 
 from fissura.pictures.curves import BLUE, INK, mark_refinements, tidy
 from fissura.pictures.side_view import COARSE, EDGE, FINE, HEAT, TENSION, Look
+from fissura.results.curve import peak_position
 from fissura.results.names import load_name, value_axis
-from fissura.results.peak import peak_position
 from fissura.text.units import scale_of
 
 if TYPE_CHECKING:

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from fissura.pictures.curves import BLUE, tidy
 from fissura.pictures.lettering import literal
-from fissura.results.column_names import column_named
 from fissura.results.curve import COLUMN_OF
-from fissura.results.names import load_name, value_axis
+from fissura.results.names import column_named, load_name, value_axis
 from fissura.text.units import SCALES, scale_of, split_unit
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from fissura.progress.lines import line_on
 from fissura.progress.time_left import TimeLeft
 from fissura.results.done import Done
 from fissura.results.names import driven_in
-from fissura.text.quantities import force, length
+from fissura.text.quantities import counted, force, length
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -36,10 +36,6 @@ def duration(seconds: float) -> str:
     if whole < 3600:
         return f"{whole // 60}:{whole % 60:02d} min"
     return f"{whole // 3600}:{whole // 60 % 60:02d} h"
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 class Live:
@@ -123,7 +119,7 @@ class RunProgress(Live):
         if self._line is not None:
             self._line.change(text, share)
             if step.refinements:
-                self.say(f"step {step.number}: {_count(step.refinements, 'refinement')}, {step.bodies} bodies")
+                self.say(f"step {step.number}: {counted(step.refinements, 'refinement')}, {step.bodies} bodies")
             return
         seconds, more = now - self._shown[0], share - self._shown[1]
         if step.refinements or seconds >= EVERY_SECONDS or more >= EVERY_FRACTION * (1 - 1e-9):
@@ -137,8 +133,8 @@ class RunProgress(Live):
             f"{self._quantity} {length(step.controlled)}",
             f"{name} {force(load)}{self._left_of_peak(step)}",
             f"{step.bodies} bodies",
-            _count(self._refinements, "refinement"),
-            _count(step.iterations, "iteration"),
+            counted(self._refinements, "refinement"),
+            counted(step.iterations, "iteration"),
             f"{duration(now - self._start)} elapsed",
         ]
         if left is not None:

@@ -7,19 +7,25 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fissura.case.registry import PICTURES
 from fissura.errors import InputError
 from fissura.pictures.meshes import steps_with_states
+from fissura.pictures.plotting import column_title
 from fissura.pictures.registered import drawn
 from fissura.pictures.specimen_signs import signs_of
 from fissura.reports.bodies import shown_steps, states_of
-from fissura.reports.columns import columns_of, measured_of
 from fissura.reports.libraries import require_libraries
 from fissura.reports.origin import bibtex, bound_told, cited, origin_rows, seed_told, status_told
 from fissura.reports.page import rendered, write_page
 from fissura.reports.view import scene_of
+from fissura.results.curve import COLUMN_OF, TEXTS
+from fissura.results.measured import read_measured
 from fissura.specimen import domain_from_case
 from fissura.text import quantities as text
+from fissura.text.units import scale_of, split_unit
 
 if TYPE_CHECKING:
     from fissura.results.result import Result
@@ -76,7 +82,7 @@ def run_page(result: Result) -> str:
     }
     if not result.steps:
         return rendered("run.html", values)
-    data = {"kind": "run", "curve": columns_of(result), "measured": measured_of(result), "scene": scene}
+    data = {"kind": "run", "curve": _columns(result), "measured": _measured(result), "scene": scene}
     return rendered("run.html", values, data)
 
 
@@ -101,8 +107,8 @@ def _states(result: Result) -> tuple[list[dict[str, Any]], str]:
     if not states:
         return [], "The specimen before the run: its bodies do not fit into a page of 15 MB."
     told = (
-        f"{_counted(len(states), 'step')} of {result.steps}, those whose states were recorded; a larger output.vtk in"
-        " the case records more. Drawn are the outer faces of bodies and the contacts with damage, where the mean of"
+        f"{text.counted(len(states), 'step')} of {result.steps}, those whose states were recorded; a larger output.vtk"
+        " in the case records more. Drawn are the outer faces of bodies and the contacts with damage, where the mean of"
         " their two bodies is."
     )
     if len(states) < len(recorded):
@@ -127,7 +133,7 @@ def _folder_name(result: Result) -> list[tuple[str, str]]:
 
 def _subtitle(result: Result) -> str:
     kind = "at full resolution" if result.full else "adaptive"
-    parts = [f"{kind}, {_counted(result.steps, 'step')}"]
+    parts = [f"{kind}, {text.counted(result.steps, 'step')}"]
     if result.steps:
         parts.append(f"peak load {text.force(result.peak_load)}")
     return ", ".join(parts) + "."
@@ -143,5 +149,52 @@ def _source(result: Result) -> str | None:
         return None
 
 
-def _counted(number: int, name: str) -> str:
-    return f"{number} {name}{'' if number == 1 else 's'}"
+def _columns(result: Result) -> dict[str, Any]:
+    """All columns of numbers, the unloaded state in front.
+
+    Returns
+    -------
+    dict
+        ``columns``: a list of ``name``, ``title`` (with the unit), ``unit`` and ``values``, (steps + 1,); ``steps``:
+        numbers of the steps, 0 for the unloaded state; ``x`` and ``y``: names of the columns that are shown first.
+    """
+    columns = []
+    for name, values in result.curve.items():
+        if name in TEXTS:
+            continue
+        numbers = values.astype(np.float64)
+        unit = split_unit(name)[1]
+        factor, shown = scale_of(unit, _largest(numbers)) if unit else (1.0, "")
+        title = column_title(result.case, name)
+        columns.append(
+            {
+                "name": name,
+                "title": f"{title} [{shown}]" if shown else title,
+                "unit": shown,
+                "values": np.concatenate([[0.0 if unit else np.nan], factor * numbers]),
+            }
+        )
+    return {
+        "columns": columns,
+        "steps": np.concatenate([[0], result.curve["step"]]).astype(np.int32),
+        "x": COLUMN_OF[result.case.quantity],
+        "y": "load_N",
+    }
+
+
+def _measured(result: Result) -> dict[str, Any] | None:
+    """Measured loads over the gauge in the units of the columns; None where there are none, or they cannot be read."""
+    path = result.case.output.measured
+    if path is None or not result.steps:
+        return None
+    try:
+        band = read_measured(path)
+    except InputError:
+        return None
+    x = scale_of("m", _largest(result.gauge))[0]
+    y = scale_of("N", _largest(result.load_values))[0]
+    return {"x": x * band.gauge, "lower": y * band.lower, "upper": y * band.upper}
+
+
+def _largest(values: NDArray[np.float64]) -> float:
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from fissura.errors import InputError
 from fissura.results.comparable import common_quantity, comparison_notices
 from fissura.results.comparison import ENERGY, Comparison, difference
+from fissura.results.curve import peak_position
 from fissura.results.load_path import LoadPath
-from fissura.results.peak import peak_position
 from fissura.results.result import Result
 
 __all__ = ["Comparison", "compare", "compare_results"]

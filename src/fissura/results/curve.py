@@ -28,6 +28,7 @@ __all__ = [
     "Row",
     "case_columns",
     "columns",
+    "peak_position",
     "read_curve",
     "row",
 ]
@@ -174,6 +175,11 @@ def columns(rows: Iterable[Mapping[str, float | str]]) -> Curve:
     """Columns of a list of rows; those of `COLUMNS`, of length zero, when there are none."""
     rows = list(rows)
     return {name: np.array([r[name] for r in rows], dtype=_dtype(name)) for name in (rows[0] if rows else COLUMNS)}
+
+
+def peak_position(load: NDArray[np.float64]) -> int:
+    """Position of the load of largest magnitude, the first one of several; shape (steps,), at least one step."""
+    return int(np.abs(load).argmax())
 
 
 class GrowingCurve:

@@ -24,6 +24,7 @@ from fissura.results.measured_columns import (
     is_number,
     unit_of,
 )
+from fissura.text.quantities import counted
 
 __all__ = ["MeasuredBand", "read_measured"]
 
@@ -173,7 +174,7 @@ def _row(line: str, separator: str, used: tuple[Column, ...], width: int, where:
     cells = _cells(line, separator, where, key)
     if len(cells) != width:
         hint = ": decimal commas need semicolons or tabs between columns" if len(cells) == 2 * width else ""
-        problem = f"{where} has {len(cells)} value{'s' if len(cells) != 1 else ''}, {show(separator.join(cells))}{hint}"
+        problem = f"{where} has {counted(len(cells), 'value')}, {show(separator.join(cells))}{hint}"
         raise InputError(key, problem, ALLOWED)
     found = tuple(_number(cells[column.place], separator, column, where, key) for column in used)
     if len(used) == 3 and used is PLAIN and found[1] > found[2]:

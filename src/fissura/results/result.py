@@ -10,6 +10,7 @@ from fissura.results.curve import COLUMNS, read_curve
 from fissura.results.state import read_states
 from fissura.results.summary import curve_numbers, read_summary, result_folder
 from fissura.results.views import Views
+from fissura.text.quantities import counted
 
 __all__ = ["Result"]
 
@@ -82,7 +83,7 @@ class Result(Views):
             summary |= curve_numbers(curve)  # it is written every second only, the curve after every step
         steps, told = len(curve["step"]), summary.get("steps")
         if summary.get("status") != "running" and isinstance(told, int) and told != steps:
-            problem = f"has {steps} step{'' if steps == 1 else 's'}, and summary.json tells of {told}"
+            problem = f"has {counted(steps, 'step')}, and summary.json tells of {told}"
             raise InputError(str(folder / "curve.csv"), problem, "files of one run")
         path = folder / "case.json"
         data = read_json(path, "the case.json of a Fissura run")

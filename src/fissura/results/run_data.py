@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.results.curve import COLUMN_OF, Curve
+from fissura.results.curve import COLUMN_OF, Curve, peak_position
 from fissura.results.names import load_name
-from fissura.results.peak import peak_position
 from fissura.text import quantities as text
 from fissura.text.rows import Described
 

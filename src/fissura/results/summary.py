@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,17 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fissura.adaptivity.estimate import load_error_bound
-from fissura.errors import InputError, Notice
-from fissura.files.atomic import write_json
+from fissura.errors import InputError
+from fissura.files.atomic import plain, write_json
 from fissura.files.tables import read_json
-from fissura.results.broken_places import torn_at_places
-from fissura.results.curve import Curve
-from fissura.results.peak import negative_before_peak, peak_position
+from fissura.results.curve import Curve, peak_position
+from fissura.results.notices import curve_notices
 from fissura.results.provenance import commit, machine, now, versions
-from fissura.text.quantities import length
 
 if TYPE_CHECKING:
-    from fissura.case import Case
     from fissura.simulation.loop import Simulation
 
 __all__ = [
@@ -106,26 +102,13 @@ def build_summary(
         "cpu_refining_s": simulation.cpu_refining,
         "wall_s": wall_s,
         "peak_memory_MB": memory / 1e6,
-        "warnings": [str(notice) for notice in (*simulation.notices, *_notices(case, curve, bound))],
+        "warnings": [str(notice) for notice in (*simulation.notices, *curve_notices(case, curve, bound))],
         "versions": versions(),
         "commit": commit(),
         "machine": machine(),
         "date": now(),
     }
-    return {key: _plain(value) for key, value in summary.items()}
-
-
-def _notices(case: Case, curve: Curve, bound: float | None) -> list[Notice]:
-    """What looks wrong in the curve of a run, whose load error has this bound."""
-    pushes = len(curve["step"]) and _pushes(case)
-    found = negative_before_peak(curve["load_N"], curve["gauge_m"]) if pushes else []
-    return [*found, *torn_at_places(curve), *refined_late(curve), *_beyond(case.adaptivity.tolerance, bound)]
-
-
-def _pushes(case: Case) -> bool:
-    """Whether nothing but a fault makes the load of a case negative: one load, which is never to be turned round."""
-    alone = case.gravity is None and len({stage.ratios for stage in case.stages}) == 1
-    return alone and all(target.value >= 0.0 for stage in case.stages for target in stage.targets)
+    return dict(plain(summary))
 
 
 def curve_numbers(curve: Curve) -> dict[str, Any]:
@@ -153,7 +136,7 @@ def curve_numbers(curve: Curve) -> dict[str, Any]:
         **{name: curve[name].sum() for name in _SUMS},
         "iterations_per_step": iterations / steps if steps else None,
     }
-    return {key: _plain(value) for key, value in numbers.items()}
+    return dict(plain(numbers))
 
 
 def _unbalanced(curve: Curve, name: str) -> float | None:
@@ -175,31 +158,6 @@ def _field(simulation: Simulation) -> dict[str, Any] | None:
         "variance_error": found["mean"],
         "variance_error_max": found["largest"],
     }
-
-
-def refined_late(curve: Curve) -> list[Notice]:
-    """Whether elastic contacts went beyond their strength."""
-    used = curve["max_elastic_utilisation"]
-    late = np.flatnonzero(used > 1.0)
-    if not len(late):
-        return []
-    worst = late[np.argmax(used[late])]
-    problem = (
-        f"elastic contacts reached {used[worst]:.2f} times their strength at step {curve['step'][worst]} "
-        f"(gauge {length(float(curve['gauge_m'][worst]))}): refinement came too late there; "
-        f"they exceeded it in {len(late)} of {len(used)} steps"
-    )
-    return [
-        Notice("adaptivity.gamma", problem, "a smaller adaptivity.gamma or a larger adaptivity.r_f refines earlier")
-    ]
-
-
-def _beyond(tolerance: float | None, bound: float | None) -> list[Notice]:
-    """What to say where the error may be larger than a case allows."""
-    if tolerance is None or bound is None or bound <= tolerance:
-        return []
-    problem = f"the estimated load error is {bound:.2%} of the peak, more than the tolerance of {tolerance:.2%}"
-    return [Notice("adaptivity.tolerance", problem, "a smaller tolerance refines earlier")]
 
 
 def peak_memory() -> float:
@@ -267,10 +225,3 @@ def _last(curve: Curve, name: str) -> Any:
 def _largest(values: Any) -> float | None:
     known = values[np.isfinite(values)]
     return float(known.max()) if len(known) else None
-
-
-def _plain(value: Any) -> Any:
-    """Python scalar for a NumPy one; None for what is not a finite number."""
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value

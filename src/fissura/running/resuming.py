@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fissura.case import case_from_dict
-from fissura.results.curve import COLUMN_OF
+from fissura.results.curve import COLUMN_OF, peak_position
 from fissura.results.done import Done
-from fissura.results.peak import peak_position
 from fissura.results.provenance import versions
 from fissura.running.checkpoint import Checkpoint
 from fissura.simulation.legs import extended

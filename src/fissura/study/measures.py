@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 from fissura.adaptivity import load_error_bound
 from fissura.errors import InputError
 from fissura.results.compare import compare_results
-from fissura.results.curve import COLUMN_OF
-from fissura.results.peak import peak_position
+from fissura.results.curve import COLUMN_OF, peak_position
 from fissura.study.indicators import INDICATORS
 from fissura.study.record import Energies, Record
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-__all__ = ["Formatter", "count", "energy", "force", "length", "per_cent", "ratio", "seconds", "stiffness"]
+__all__ = ["Formatter", "count", "counted", "energy", "force", "length", "per_cent", "ratio", "seconds", "stiffness"]
 
 Formatter = Callable[[float], str]
 """What turns a quantity in SI units into text."""
@@ -61,6 +61,11 @@ def count(value: float) -> str:
     if not math.isfinite(value):
         return "-"
     return f"{int(value):,}".replace(",", " ") if abs(value) >= 10_000 else str(int(value))
+
+
+def counted(number: int, thing: str) -> str:
+    """Number and name of things, such as ``1 step`` or ``3 steps``."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def _number(value: float, unit: str) -> str:

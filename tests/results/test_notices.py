@@ -5,8 +5,8 @@ import pytest
 
 from fissura.case import case_from_dict
 from fissura.results import Result
-from fissura.results.broken_places import torn_at_places
 from fissura.results.curve import columns, row
+from fissura.results.notices import torn_at_places
 from fissura.running.recorder import Recorder
 from fissura.simulation.loop import Simulation
 
