@@ -19,7 +19,7 @@ import numpy as np
 from common import Check, Report, main, measured, middle, options, say, table, worst
 from fissura import Case
 from fissura.case import case_from_dict
-from fissura.equilibrium import StepSolver, newton, tangent
+from fissura.equilibrium import StepSolver, limits
 
 #: Fracture energies [J/m^2]: brittle and ductile.
 ENERGIES = (8.0, 100.0)
@@ -169,18 +169,18 @@ def _constant(module: Any, **values: Any) -> Callable[[], Any]:
 
 #: What to change, by the text of the table's row.
 VARIANTS: dict[str, Callable[[], Any]] = {
-    "linear equations exact (1e-6)": _constant(newton, _LEAST_EXACT=1e-6, _MOST_EXACT=1e-6),
-    "linear equations to 0.01": _constant(newton, _LEAST_EXACT=1e-2),
-    "linear equations to 0.3": _constant(newton, _LEAST_EXACT=0.3),
-    "preparation for every correction": _constant(tangent, _PREPARATION=-1),
-    "preparation after 5 iterations too many": _constant(tangent, _PREPARATION=5),
-    "preparation after 80 iterations too many": _constant(tangent, _PREPARATION=80),
-    "no line search": _constant(newton, _SMALLEST_CUT=1.0),
-    "after Newton: secant": _constant(newton, _SHARES_OF_TANGENT=(0.0,)),
-    "after Newton: 0.5 tangent": _constant(newton, _SHARES_OF_TANGENT=(0.5,)),
-    "after Newton: 0.9 tangent": _constant(newton, _SHARES_OF_TANGENT=(0.9,)),
-    "never Newton: secant": _constant(newton, _SHARES_OF_TANGENT=(0.0,), _STALLS=0),
-    "never Newton: 0.9 tangent and less": _constant(newton, _STALLS=0),
+    "linear equations exact (1e-6)": _constant(limits, LEAST_EXACT=1e-6, MOST_EXACT=1e-6),
+    "linear equations to 0.01": _constant(limits, LEAST_EXACT=1e-2),
+    "linear equations to 0.3": _constant(limits, LEAST_EXACT=0.3),
+    "preparation for every correction": _constant(limits, PREPARATION=-1),
+    "preparation after 5 iterations too many": _constant(limits, PREPARATION=5),
+    "preparation after 80 iterations too many": _constant(limits, PREPARATION=80),
+    "no line search": _constant(limits, SMALLEST_CUT=1.0),
+    "after Newton: secant": _constant(limits, SHARES_OF_TANGENT=(0.0,)),
+    "after Newton: 0.5 tangent": _constant(limits, SHARES_OF_TANGENT=(0.5,)),
+    "after Newton: 0.9 tangent": _constant(limits, SHARES_OF_TANGENT=(0.9,)),
+    "never Newton: secant": _constant(limits, SHARES_OF_TANGENT=(0.0,), STALLS=0),
+    "never Newton: 0.9 tangent and less": _constant(limits, STALLS=0),
 }
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from equilibrium.models import beam, beam_system, secant_entries
-from fissura.linear import SingularMatrixError, symmetric
+from fissura.linear import SingularMatrixError, limits
 from fissura.linear.symmetric import SymmetricSolver
 
 NAMES = ["direct", "two-level", "amg"]
@@ -49,7 +49,7 @@ def test_application_comes_with_its_exact_product(system, make, name):
 def test_auto_chooses_by_size(system, make, monkeypatch):
     count = len(system.tessellation)
     for large, name in ((count, "two-level"), (count + 1, "direct")):
-        monkeypatch.setattr(symmetric, "_LARGE", large)
+        monkeypatch.setattr(limits, "LARGE", large)
         np.testing.assert_array_equal(solved(make("auto"), system), solved(make(name), system))
 
 

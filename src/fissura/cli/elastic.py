@@ -58,7 +58,7 @@ def elastic(
 ) -> None:
     """Elastic constants of the material as a whole: computed from structures, of a case, or the inverse."""
     with errors():
-        from fissura.elasticity import request
+        from fissura.elasticity import limits, request
 
         if case is not None or inverse is not None:
             _check_nothing_to_compute(context, "a case" if inverse is None else "--inverse")
@@ -76,7 +76,7 @@ def elastic(
         else:
             E = None if modulus is None else request.parse_modulus(modulus, "--E")
             wanted = request.parse_numbers(alpha, "--alpha", 0.001, 1.0)
-            widths = request.parse_numbers(sizes, "--sizes", request.SMALLEST, request.LARGEST)
+            widths = request.parse_numbers(sizes, "--sizes", limits.SMALLEST, limits.LARGEST)
             _study(wanted, widths, seeds, aspect, E, output, overwrite)
 
 

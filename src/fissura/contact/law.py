@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from fissura.contact import limits
+from fissura.contact.limits import INTACT_SHARE
 from fissura.errors import InputError
 from fissura.kernels import njit
 from fissura.material import Material
@@ -21,16 +23,10 @@ __all__ = ["CusatisCedolin", "lowest_strength", "transition_angle"]
 FloatArray = NDArray[np.float64]
 
 _HALF_PI = 0.5 * np.pi
-_INTACT_SHARE = 1e-9  # of the stiffness is left to a broken contact, so that loose bodies keep a position
 
-#: Compressive cap over the stress at which it would meet the strength in pure shear, at least.
-_LEAST_CAP = 1.001
 
 #: Name of the limit from which shear and tension soften alike.
 _BOTH = "of both together"
-
-#: Difference of softening moduli that is round-off, relative to the larger one.
-_ROUND_OFF = 1e-12
 
 
 @njit()
@@ -62,7 +58,7 @@ def lowest_strength(material: Material) -> float:
     tension = min(m.f_t, (m.f_s / m.mu) ** 2 / m.f_t) if m.mu > 0.0 else m.f_t
     chord = tension * shear / np.hypot(tension, shear)
     cap = m.f_c * min(1.0, np.sqrt(m.beta / m.alpha))
-    return (1.0 - 1e-9) * float(min(chord, cap))
+    return (1.0 - limits.APART) * float(min(chord, cap))
 
 
 def transition_angle(material: Material) -> float:
@@ -81,13 +77,13 @@ def transition_angle(material: Material) -> float:
         cap, _ = _compression_strength(sin, cos, m.alpha, m.f_c, m.beta)
         return float(shear - cap)
 
-    low = -np.arctan(np.sqrt(m.alpha) / m.mu) * (1.0 - 1e-9) if m.mu > 0 else -_HALF_PI * (1.0 - 1e-9)
-    least = _LEAST_CAP * m.f_s / np.sqrt(m.beta)
+    low = -np.arctan(np.sqrt(m.alpha) / m.mu) * (1.0 - limits.APART) if m.mu > 0 else -_HALF_PI * (1.0 - limits.APART)
+    least = limits.LEAST_CAP * m.f_s / np.sqrt(m.beta)
     if m.f_c < least or gap(low) <= 0.0:
         raise InputError(
             "material.f_c",
             f"{m.f_c:g} Pa: the compressive cap does not meet the shear strength under compression",
-            f"{least:g} Pa or more, {_LEAST_CAP:g} f_s/sqrt(beta)",
+            f"{least:g} Pa or more, {limits.LEAST_CAP:g} f_s/sqrt(beta)",
         )
     return float(brentq(gap, low, 0.0, xtol=1e-15, rtol=1e-14))
 
@@ -151,8 +147,8 @@ def _respond(  # type: ignore[no-untyped-def]
             if trial > damage:
                 damage = trial
                 grows = True
-                if damage > 1.0 - _INTACT_SHARE:
-                    damage = 1.0 - _INTACT_SHARE
+                if damage > 1.0 - INTACT_SHARE:
+                    damage = 1.0 - INTACT_SHARE
                     grows = False
             if grows and with_tangent:
                 w_p, w_q = cos / e, -sin / e  # derivatives of omega
@@ -288,14 +284,14 @@ class CusatisCedolin:
             A contact longer than the law allows without snap-back.
         """
         m = material
-        limits = cls.limits(m)
-        if limits[_BOTH] <= 0.0:
+        lengths = cls.limits(m)
+        if lengths[_BOTH] <= 0.0:
             raise InputError(
                 "material.G_s",
                 f"{m.G_s:g} J/m^2: shear softens faster than tension",
                 f"more than {m.G_t * m.f_s**2 / m.f_t**2:g} J/m^2, G_t f_s^2 / f_t^2",
             )
-        longest = min(limits.values())
+        longest = min(lengths.values())
         if ductility is not None:
             _check_ductility(length, ductility, longest)
             length = length / ductility
@@ -311,7 +307,7 @@ class CusatisCedolin:
         k_t = 2.0 * m.E * m.f_t**2 * length / (2.0 * m.E * m.G_t - m.f_t**2 * length)
         k_s = 2.0 * m.alpha * m.E * m.f_s**2 * length / (2.0 * m.alpha * m.E * m.G_s - m.f_s**2 * length)
         # At the limit of the length both moduli are the same, but for round-off.
-        apart = np.maximum(k_t - k_s, _ROUND_OFF * k_t)
+        apart = np.maximum(k_t - k_s, limits.ROUND_OFF * k_t)
         n_t = np.log(k_t / apart) / np.log(1.0 - 2.0 * omega0 / np.pi)
         return cls(m, length, np.ones(len(length)) if scale is None else scale, k_t, k_s, n_t, omega0)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from fissura.case.macroscopic import macroscopic_elasticity, voigt
 from fissura.case.ranges import BULK_MODULI, ENERGIES, LENGTHS, MODULI, STRENGTHS, Range, between
 from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, Dimension, to_si
+from fissura.elasticity import limits
 from fissura.elasticity.tension import macroscopic_tension
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from fissura.elasticity.study import Study
 
 __all__ = [
-    "LARGEST",
-    "SMALLEST",
     "case_rows",
     "inverse_rows",
     "layer_table",
@@ -34,13 +33,6 @@ __all__ = [
     "write_csv",
 ]
 
-#: Sizes of cells and prisms in ``l_min``: smaller ones have bodies that touch themselves, larger ones take gigabytes.
-SMALLEST, LARGEST = 4.0, 20.0
-
-#: Most numbers in a list.
-_MOST_NUMBERS = 100
-
-_CONCRETE = 0.29
 _KINDS = {"periodic": "periodic cell", "gauge": "prism, gauge", "ends": "prism, end to end"}
 
 
@@ -61,12 +53,12 @@ def parse_numbers(text: str, key: str, low: float, high: float) -> tuple[float, 
     InputError
         Text that is not such a list, or a list of too many.
     """
-    allowed = f"at most {_MOST_NUMBERS} numbers from {low:g} to {high:g}, separated by commas"
+    allowed = f"at most {limits.MOST_NUMBERS} numbers from {low:g} to {high:g}, separated by commas"
     try:
         numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
         raise InputError(key, f"{text!r} is not a list of numbers", allowed) from None
-    if len(numbers) > _MOST_NUMBERS:
+    if len(numbers) > limits.MOST_NUMBERS:
         raise InputError(key, f"the list has {len(numbers)} entries", allowed)
     for number in numbers:
         if not low <= number <= high:
@@ -316,7 +308,7 @@ def write(found: Study, folder: Path, E: float | None = None) -> list[str]:
     from fissura.elasticity.pictures import plot_alpha, plot_size
 
     # The picture over sizes shows one alpha: the one nearest to that of concrete.
-    shown = min(found.alphas, key=lambda alpha: abs(alpha - _CONCRETE))
+    shown = min(found.alphas, key=lambda alpha: abs(alpha - limits.CONCRETE))
     names = ["elastic.csv", "elastic_alpha.png", "elastic_size.png"]
     Folder.begun(folder, "elastic").add(*names)
     write_csv(found, folder / names[0], E)

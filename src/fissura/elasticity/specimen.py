@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fissura.case import Patch, case_from_dict
 from fissura.contact import law_from_case
+from fissura.elasticity import limits
 from fissura.equilibrium import System, attach
 from fissura.material import material_from_case
 from fissura.specimen import Functional, conditions_from_case, domain_from_case, place_from_part
@@ -30,9 +31,6 @@ __all__ = ["Prism", "PrismConstants", "prism_case"]
 
 FloatArray = NDArray[np.float64]
 
-#: Distance of the two bands between which gauges measure, and their width, in lengths of the prism. In wide bands many
-#: bodies take part, so that single ones do not matter.
-_GAUGE, _BAND = 0.5, 0.2
 
 #: Constants that only have to be possible, since only the elastic equations are used: no contact is too long for them.
 _NO_FRACTURE = {"f_t": 1.0, "G_t": 1e9}
@@ -157,7 +155,7 @@ class _Sides:
     def gauge(self) -> FloatArray:
         """Mean axial strain over the middle, from bands around the prism."""
         length = self._domain.size[0]
-        span, band = _GAUGE * length, {"width": _BAND * length, "along": "x"}
+        span, band = limits.GAUGE * length, {"width": limits.BAND * length, "along": "x"}
         ends = ((-1.0, 0.5 * (length - span)), (1.0, 0.5 * (length + span)))
         bands = product(("bottom", "top", "front", "back"), ends)
         rows = [self.mean({"face": face, "at": at, **band}, 0, sign / (4.0 * span)) for face, (sign, at) in bands]
@@ -166,7 +164,7 @@ class _Sides:
     def swelling(self) -> FloatArray:
         """Mean lateral strain over the middle, of both lateral directions."""
         size = self._domain.size
-        strip = {"at": 0.5 * size[0], "width": _GAUGE * size[0], "along": "x"}
+        strip = {"at": 0.5 * size[0], "width": limits.GAUGE * size[0], "along": "x"}
         faces = (("bottom", 1, -1.0), ("top", 1, 1.0), ("front", 2, -1.0), ("back", 2, 1.0))
         rows = [self.mean({"face": face, **strip}, axis, sign / (2.0 * size[axis])) for face, axis, sign in faces]
         return np.asarray(np.sum(rows, axis=0), dtype=np.float64)

@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.elasticity import limits
 from fissura.elasticity.homogenise import Homogenisation
 from fissura.elasticity.specimen import Prism
 from fissura.elasticity.stiffness import anisotropy, isotropic_part
@@ -20,8 +21,6 @@ FloatArray = NDArray[np.float64]
 
 #: What is measured: periodic cells; prisms by gauges on their sides; prisms from end to end.
 KINDS = ("periodic", "gauge", "ends")
-
-_CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
@@ -68,7 +67,7 @@ def spread(values: FloatArray) -> tuple[float, float, float]:
     from scipy.special import stdtrit
 
     deviation = float(values.std(ddof=1))
-    factor = float(stdtrit(len(values) - 1, 0.5 * (1.0 + _CONFIDENCE)))
+    factor = float(stdtrit(len(values) - 1, 0.5 * (1.0 + limits.CONFIDENCE)))
     return float(values.mean()), deviation, factor * deviation / float(np.sqrt(len(values)))
 
 

@@ -16,6 +16,8 @@ from functools import cache, cached_property
 from importlib.resources import files
 from itertools import pairwise
 
+from fissura.elasticity import limits
+
 __all__ = ["MacroscopicTension", "Prisms", "macroscopic_tension"]
 
 
@@ -118,7 +120,7 @@ class MacroscopicTension:
         '2.60 MPa, 52 J/m^2'
         """
         f_t, G_t = strength, energy
-        for _ in range(100):
+        for _ in range(limits.MOST_ROUNDS):
             before = f_t, G_t
             brittleness = 2.0 * E * G_t / f_t**2 / l_f
             f_t = 2.0 * strength / sum(self.strength(brittleness, alpha))

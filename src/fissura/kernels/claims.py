@@ -11,11 +11,9 @@ import time
 from pathlib import Path
 
 from fissura.files.lock import taken_by_others, try_lock
+from fissura.kernels import limits
 
 __all__ = ["Claims"]
-
-#: Time between two looks at a claim of another process [s].
-_LOOK = 0.01
 
 
 class Claims:
@@ -42,7 +40,7 @@ class Claims:
                 if not taken_by_others(error):
                     break
                 waited = True
-                time.sleep(_LOOK)
+                time.sleep(limits.LOOK)
             else:
                 self._open[kernel] = number
         return waited

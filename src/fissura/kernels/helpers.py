@@ -9,13 +9,12 @@ import subprocess
 import sys
 import threading
 
+from fissura.kernels import limits
 from fissura.kernels.place import PACKAGE
 from fissura.machine.threads import usable_processors
 
 __all__ = ["Helpers", "help_out"]
 
-#: Helpers that share the work well: more would wait for each other.
-_MOST = 3
 
 _CODE = "import sys; sys.path.insert(0, sys.argv[1]); from fissura.kernels.helpers import help_out; help_out()"
 
@@ -28,7 +27,7 @@ class Helpers:
 
     def start(self) -> int:
         """Start one for every further processor, some at most; tells how many processes compile now, this one too."""
-        count = min(usable_processors() - 1, _MOST) if sys.executable else 0
+        count = min(usable_processors() - 1, limits.MOST_HELPERS) if sys.executable else 0
         for _ in range(count):
             with contextlib.suppress(OSError):
                 self._running.append(_started())

@@ -6,6 +6,7 @@ import functools
 import logging
 from pathlib import Path
 
+from fissura.kernels import limits
 from fissura.kernels.helpers import Helpers
 from fissura.kernels.known import missing_seconds
 from fissura.kernels.place import lasting, temporary
@@ -13,12 +14,6 @@ from fissura.kernels.place import lasting, temporary
 __all__ = ["State", "process"]
 
 _log = logging.getLogger("fissura.kernels")
-
-_TOLD_AT = 2
-"""Function that is not in the cache, counted from the start, at which compiling is announced: one alone is quick."""
-
-_SHORT = 2.0
-"""Compiling that takes less [s] is not worth a word, nor the start of other processes."""
 
 
 class State:
@@ -49,7 +44,7 @@ class State:
     def miss(self) -> None:
         """Count a function that has to be compiled."""
         self.missed += 1
-        if self.missed == _TOLD_AT:
+        if self.missed == limits.TOLD_AT:
             self.announce()
 
     def announce(self) -> None:
@@ -58,7 +53,7 @@ class State:
             return
         self.told_slow = True
         seconds = missing_seconds(self.folder)
-        if seconds < _SHORT:
+        if seconds < limits.SHORT:
             return
         processes = 1 if self.folder is None else self.helpers.start()
         about = 5 * max(round(seconds / processes / 5), 1)

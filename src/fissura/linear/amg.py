@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse import bsr_matrix
 
 from fissura.errors import InputError
+from fissura.linear import limits
 from fissura.linear.assembly import Pattern
 from fissura.linear.krylov import dot
 from fissura.linear.protocol import SingularMatrixError
@@ -24,12 +25,6 @@ except ImportError:
 __all__ = ["SmoothedAggregation", "rigid_motions"]
 
 FloatArray = NDArray[np.float64]
-
-#: Share of their stiffness that supports keep in the hierarchy: it makes them about as stiff as contacts.
-_SOFT = 1e-4
-
-#: Springs on bodies of wide supports in the hierarchy, relative to their own stiffness.
-_SPRING = 1e-2
 
 
 def rigid_motions(x: FloatArray) -> FloatArray:
@@ -68,7 +63,13 @@ class SmoothedAggregation:
         PyAMG is not installed.
     """
 
-    def __init__(self, form: Pattern, x: FloatArray, tolerance: float = 1e-8, max_iterations: int = 500) -> None:
+    def __init__(
+        self,
+        form: Pattern,
+        x: FloatArray,
+        tolerance: float = limits.TOLERANCE,
+        max_iterations: int = limits.MOST_ITERATIONS,
+    ) -> None:
         if pyamg is None:
             raise InputError(
                 "solver.linear",
@@ -105,8 +106,8 @@ class SmoothedAggregation:
         length = float(np.sqrt(stiffness[3:].mean() / stiffness[:3].mean()))
         self._scale: FloatArray = np.tile(np.repeat([1.0, 1.0 / length], 3), len(form.start))
         soft = data.copy()
-        soft[form.fixed] -= (1.0 - _SOFT) * form.fixed_values
-        soft[own[form.wide.bodies, :3]] += _SPRING * stiffness[:3]
+        soft[form.fixed] -= (1.0 - limits.SOFT) * form.fixed_values
+        soft[own[form.wide.bodies, :3]] += limits.SPRING * stiffness[:3]
         soft *= np.repeat(self._scale, np.diff(form.indptr))
         soft *= self._scale[form.indices]
         matrix = bsr_matrix(form.matrix(soft).tobsr((6, 6)))

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import INNER, njit
-from fissura.linear.blocks import AHEAD, FAST, LowerBlocks
+from fissura.linear import limits
+from fissura.linear.blocks import LowerBlocks
+from fissura.linear.limits import AHEAD, FAST
 from fissura.linear.products import prefetch, times, transposed_times
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
@@ -14,13 +16,6 @@ __all__ = ["IncompleteCholesky"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Smallest pivot in shares of the diagonal entry it came from. Rotations of loosely held bodies are legitimately 1e-6
-#: of their neighbours' stiffness, and next to supports another 1e-5.
-_SMALLEST_PIVOT = 1e-14
-
-#: Shares of the diagonal that are added, one after the other, until all pivots are positive definite (Manteuffel 1980).
-_SHARES = (0.0, 0.01, 0.05, 0.2, 1.0)
 
 
 @njit(**INNER, fastmath=FAST)
@@ -197,13 +192,13 @@ class IncompleteCholesky:
         if self._factor is None:
             self._factor = np.empty(blocks.shape, dtype=np.float32)
         form, added = self.form, np.empty((0, 6, 6))
-        for self.share in _SHARES:
+        for self.share in limits.SHARES:
             if self.share > 0.0 and not len(added):
                 added = blocks[form.indptr[1:] - 1]
                 if left_out is not None:
                     added[left_out[0]] -= left_out[1]
-            last_try = self.share == _SHARES[-1]
-            rest = (form.indptr, form.indices, blocks, added, self.share, last_try, _SMALLEST_PIVOT, self._factor)
+            last_try = self.share == limits.SHARES[-1]
+            rest = (form.indptr, form.indices, blocks, added, self.share, last_try, limits.SMALLEST_PIVOT, self._factor)
             failed = self._threads.run(_factor, form.bounds, *rest)
             if last_try or not any(failed):
                 failed += SINGLE_THREAD.run(_factor, form.tail, *rest)

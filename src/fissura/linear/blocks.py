@@ -12,11 +12,12 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from fissura.kernels import njit
 from fissura.linear.assembly import Pattern
+from fissura.linear.limits import AHEAD, FAST
+from fissura.linear.plain import column
 from fissura.linear.products import prefetch, prefetch_item
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = [
-    "FAST",
     "LowerBlocks",
     "bandwidth_order",
     "constant_part",
@@ -28,12 +29,6 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Sums may be taken in any order, always the same one in one build.
-FAST = {"reassoc", "contract", "nsz", "arcp"}
-
-#: Blocks that are asked for before their turn: matrices do not fit into caches, and short loops hide no waiting.
-AHEAD = 16
 
 
 @dataclass(frozen=True)
@@ -212,13 +207,6 @@ def _gather(begin, end, indptr, start, stride, data, out):  # type: ignore[no-un
                     out[k, a, d] = entry
                     zero += 0.0 * entry
     return zero
-
-
-@njit(fastmath=FAST, inline="always")
-def column(blocks, k, d, x):  # type: ignore[no-untyped-def]
-    """Column d of block k times x, written out so that it is compiled to vector instructions over d."""
-    upper = blocks[k, 0, d] * x[0] + blocks[k, 1, d] * x[1] + blocks[k, 2, d] * x[2]
-    return upper + blocks[k, 3, d] * x[3] + blocks[k, 4, d] * x[4] + blocks[k, 5, d] * x[5]
 
 
 @njit(nogil=True, fastmath=FAST)

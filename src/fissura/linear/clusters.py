@@ -10,6 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from fissura.kernels import INNER, njit
+from fissura.linear import limits
 from fissura.linear.blocks import LowerBlocks
 
 __all__ = ["bisected", "body_weights", "connected", "intact", "link_stiffness"]
@@ -18,9 +19,6 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 AnyIntArray = NDArray[np.integer[Any]]
-
-#: Share of the bodies that are fine, at least, wherever there are fine and coarse ones.
-_FINE = 0.25
 
 
 @njit(**INNER)
@@ -150,7 +148,7 @@ def body_weights(form: LowerBlocks, x: FloatArray) -> FloatArray:
         Nuclei in the order of `form` [m].
     """
     reach = _reach(form.indptr, form.indices, x)
-    fine = float(np.quantile(reach, _FINE)) if len(reach) else 0.0
+    fine = float(np.quantile(reach, limits.FINE)) if len(reach) else 0.0
     return np.maximum(reach / fine, 1.0) ** 1.5 if fine > 0.0 else np.ones(len(x))
 
 

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
 from fissura.kernels import njit
+from fissura.linear import limits
 from fissura.linear.assembly import Pattern
 from fissura.linear.protocol import SingularMatrixError
 from fissura.linear.woodbury import WideCorrection
@@ -129,7 +130,7 @@ class SuperLU(_Direct):
         self._lu = splu(
             self.form.matrix(data).tocsc(),
             permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0 if symmetric else 0.01,
+            diag_pivot_thresh=0.0 if symmetric else limits.PIVOT,
             options={"SymmetricMode": True},
         )
 

@@ -11,16 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
+from fissura.linear import limits
 from fissura.linear.assembly import Pattern
 from fissura.linear.blocks import bandwidth_order
 
 __all__ = ["dissected_order"]
 
 IntArray = NDArray[np.int64]
-
-#: Bodies from which on there are two and four domains: below, starting threads costs more than they save, and the tail
-#: would be a large part of the structure.
-_TWO, _FOUR = 15_000, 30_000
 
 
 @njit()
@@ -36,7 +33,7 @@ def _between(start, neighbours, domain, out):  # type: ignore[no-untyped-def]
 
 def domain_count(bodies: int) -> int:
     """Number of domains for a number of bodies."""
-    return 4 if bodies >= _FOUR else 2 if bodies >= _TWO else 1
+    return 4 if bodies >= limits.FOUR_DOMAINS else 2 if bodies >= limits.TWO_DOMAINS else 1
 
 
 def dissected_order(form: Pattern, last: NDArray[np.bool_], domains: int | None = None) -> tuple[IntArray, IntArray]:

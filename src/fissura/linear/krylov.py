@@ -12,23 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
+from fissura.linear import limits
+from fissura.linear.limits import ANY_ORDER
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["Minimized", "dot", "gmres", "norm"]
 
 FloatArray = NDArray[np.float64]
 
-#: Share of a vector that is round-off after others have been taken out of it.
-_ROUND_OFF = 1e-13
 
-#: Vectors from this size on are cut into so many pieces: four domains of 30 000 bodies (:mod:`.domains`).
-_LONG, _CUT = 180_000, 4
-
-#: Sums may be taken in any order, always the same one in one build.
-_FAST = {"reassoc", "contract"}
-
-
-@njit(nogil=True, fastmath=_FAST)
+@njit(nogil=True, fastmath=ANY_ORDER)
 def _dot(begin, end, a, b):  # type: ignore[no-untyped-def]
     s = 0.0
     for k in range(begin, end):
@@ -36,7 +29,7 @@ def _dot(begin, end, a, b):  # type: ignore[no-untyped-def]
     return s
 
 
-@njit(nogil=True, fastmath=_FAST)
+@njit(nogil=True, fastmath=ANY_ORDER)
 def _take_out(begin, end, share, own, following, image):  # type: ignore[no-untyped-def]
     """Take a share of the vector `own` out of `image`, and return the product of what is left with another vector."""
     s = 0.0
@@ -48,7 +41,7 @@ def _take_out(begin, end, share, own, following, image):  # type: ignore[no-unty
 
 def _pieces(size: int) -> tuple[int, ...]:
     """Bounds of the pieces into which threads cut a vector; they depend on its size alone."""
-    return (0, size) if size < _LONG else tuple(size * k // _CUT for k in range(_CUT + 1))
+    return (0, size) if size < limits.LONG else tuple(size * k // limits.CUT for k in range(limits.CUT + 1))
 
 
 def _orthogonalized(basis: list[FloatArray], image: FloatArray, threads: KernelThreads) -> list[float]:
@@ -136,11 +129,11 @@ def gmres(
         move, image = operator(basis[-1])
         before = norm(image)
         *column, left = _orthogonalized(basis, image, threads)
-        left = left if left > _ROUND_OFF * before else 0.0  # nothing new
+        left = left if left > limits.NOTHING_NEW * before else 0.0  # nothing new
         for j, (c, s) in enumerate(rotations):
             column[j], column[j + 1] = c * column[j] + s * column[j + 1], c * column[j + 1] - s * column[j]
         length = float(np.hypot(column[-1], left))
-        if not length > _ROUND_OFF * before or not np.isfinite(length):
+        if not length > limits.NOTHING_NEW * before or not np.isfinite(length):
             break
         c, s = column[-1] / length, left / length
         rotations.append((c, s))

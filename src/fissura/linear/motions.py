@@ -5,7 +5,7 @@ from __future__ import annotations
 from numpy import zeros
 
 from fissura.kernels import njit
-from fissura.linear.blocks import AHEAD
+from fissura.linear.limits import AHEAD, ANY_ORDER
 from fissura.linear.products import prefetch, transposed_times
 
 __all__ = ["prolong", "restrict", "restrict_product"]
@@ -40,7 +40,7 @@ def prolong(begin, end, label, arm, unit, coarse, out):  # type: ignore[no-untyp
         out[i, 5] += t2
 
 
-@njit(nogil=True, fastmath={"reassoc", "contract"})
+@njit(nogil=True, fastmath=ANY_ORDER)
 def restrict_product(begin, end, clusters, first, cluster, product, z):  # type: ignore[no-untyped-def]
     """What bodies from `begin` to `end` contribute to ``(K P)^T z``; (n, 6) -> (clusters, 6)."""
     out = zeros((clusters, 6))

@@ -1,12 +1,20 @@
-"""Products of 6x6 blocks inside kernels: in vector instructions, or plainly where FISSURA_SIMD is 0."""
+"""6x6 blocks times vectors of six numbers inside kernels: in vector instructions, else plainly.
+
+Vector instructions need llvmlite as it is written for, with pointers that have types; FISSURA_SIMD=0 does without them.
+Results then differ by round-off.
+"""
 
 from __future__ import annotations
 
 import os
+from typing import Any
 
-if os.environ.get("FISSURA_SIMD") == "0":
-    from fissura.linear.plain import prefetch, prefetch_item, times, transposed_times
-else:
-    from fissura.linear.simd import prefetch, prefetch_item, times, transposed_times
+from llvmlite import ir
+
+from fissura.linear import plain, simd
 
 __all__ = ["prefetch", "prefetch_item", "times", "transposed_times"]
+
+_used: Any = simd if os.environ.get("FISSURA_SIMD") != "0" and hasattr(ir.Type, "as_pointer") else plain
+prefetch, prefetch_item = _used.prefetch, _used.prefetch_item
+times, transposed_times = _used.times, _used.transposed_times

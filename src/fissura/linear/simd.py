@@ -78,21 +78,26 @@ def _times(typing_context, blocks, k, x):  # type: ignore[no-untyped-def]
     return _TUPLE(blocks, types.int64, x), generate
 
 
+def _hint(context: Any, builder: Any, kind: Any, array: Any, place: Any, items: int) -> Any:
+    """Ask for items from a place on to be loaded, one in each line of the cache; it may lie beyond the array."""
+    data = context.make_array(kind)(context, builder, array).data
+    byte, word = ir.IntType(8).as_pointer(), ir.IntType(32)
+    hint_kind = ir.FunctionType(ir.VoidType(), [byte, word, word, word])
+    hint = builder.module.declare_intrinsic("llvm.prefetch", [byte], hint_kind)
+    first = builder.gep(data, [place])
+    for item in range(0, items, 64 // (kind.dtype.bitwidth // 8)):
+        at = builder.bitcast(builder.gep(first, [ir.Constant(place.type, item)]), byte)
+        builder.call(hint, [at, word(0), word(3), word(1)])  # to read, and to keep
+    return context.get_dummy_value()
+
+
 def _prefetch(typing_context, blocks, k):  # type: ignore[no-untyped-def]
     """Ask for ``blocks[k]``, which may lie beyond the array, to be loaded: C-ordered (n, 6, 6) array, number."""
 
     def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         array, k = arguments
-        items = context.make_array(signature.args[0])(context, builder, array)
-        byte, word = ir.IntType(8).as_pointer(), ir.IntType(32)
-        kind = ir.FunctionType(ir.VoidType(), [byte, word, word, word])
-        hint = builder.module.declare_intrinsic("llvm.prefetch", [byte], kind)
-        first = builder.gep(items.data, [builder.mul(k, ir.Constant(k.type, 36))])
-        line = 64 // (signature.args[0].dtype.bitwidth // 8)
-        for item in range(0, 36, line):
-            place = builder.bitcast(builder.gep(first, [ir.Constant(k.type, item)]), byte)
-            builder.call(hint, [place, word(0), word(3), word(1)])  # to read, and to keep
-        return context.get_dummy_value()
+        place = builder.mul(k, ir.Constant(k.type, 36))
+        return _hint(context, builder, signature.args[0], array, place, 36)
 
     return types.void(blocks, types.int64), generate
 
@@ -102,12 +107,7 @@ def _prefetch_item(typing_context, items, k):  # type: ignore[no-untyped-def]
 
     def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         array, k = arguments
-        data = context.make_array(signature.args[0])(context, builder, array).data
-        byte, word = ir.IntType(8).as_pointer(), ir.IntType(32)
-        kind = ir.FunctionType(ir.VoidType(), [byte, word, word, word])
-        hint = builder.module.declare_intrinsic("llvm.prefetch", [byte], kind)
-        builder.call(hint, [builder.bitcast(builder.gep(data, [k]), byte), word(0), word(3), word(1)])
-        return context.get_dummy_value()
+        return _hint(context, builder, signature.args[0], array, k, 1)
 
     return types.void(items, types.int64), generate
 

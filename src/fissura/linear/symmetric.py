@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fissura.case.registry import SOLVERS
 from fissura.contact import Kinematics
+from fissura.linear import limits
 from fissura.linear.assembly import Pattern, assemble_secant
 from fissura.linear.direct import MklPardiso, SuperLU, best_solver
 from fissura.linear.protocol import LinearSolver, SingularMatrixError
@@ -20,13 +21,6 @@ __all__ = ["SymmetricSolver", "aggregation", "direct"]
 
 FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
-
-#: From this number of bodies on the two-level solver is chosen. For one elastic solution the two cross between 500 and
-#: 1000 bodies (`benchmarks/linear_solvers.py`); as the preconditioner of whole runs it is faster from 500 on.
-_LARGE = 500
-
-#: Error of iterative solutions in the energy norm.
-_TOLERANCE = 1e-8
 
 
 def direct(
@@ -69,9 +63,9 @@ class SymmetricSolver:
         self, form: Pattern, x: FloatArray, linear: str = "auto", threads: KernelThreads = SINGLE_THREAD
     ) -> None:
         if linear == "auto":
-            linear = "two-level" if len(x) >= _LARGE else "direct"
+            linear = "two-level" if len(x) >= limits.LARGE else "direct"
         self._form, self._x, self._threads = form, x, threads
-        self._chosen: LinearSolver = SOLVERS.named(linear)(form, x, _TOLERANCE, threads=threads)
+        self._chosen: LinearSolver = SOLVERS.named(linear)(form, x, limits.TOLERANCE, threads=threads)
         self._direct: LinearSolver | None = self._chosen if linear == "direct" else None
         self._current: LinearSolver = self._chosen
         self._entries: Callable[[], FloatArray]
@@ -145,7 +139,7 @@ class SymmetricSolver:
             return
         _log.debug("direct solver takes over: %s", why)
         if self._direct is None:
-            self._direct = direct(self._form, self._x, _TOLERANCE, self._threads)
+            self._direct = direct(self._form, self._x, limits.TOLERANCE, self._threads)
         self._current = self._direct
         self._direct.factor(self._entries(), symmetric=True)
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.contact import Kinematics
+from fissura.linear import limits
 from fissura.linear.assembly import Pattern
 from fissura.linear.block_cholesky import IncompleteCholesky
 from fissura.linear.blocks import (
@@ -38,18 +39,6 @@ __all__ = ["TwoLevel"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Fine bodies in the largest cluster: with more of them iterations grow, with fewer the coarse matrix.
-_CLUSTER = 50
-
-#: Share of its stiffness that a contact must keep to hold a cluster together.
-_INTACT = 0.05
-
-#: Residuals, relative to the sizes of all terms of their equations, that are round-off if restarts do not reduce them.
-_ROUND_OFF = 1e-11
-
-#: Starts from the true residual; more than one when the residual carried along has drifted from it.
-_STARTS = 4
 
 
 class TwoLevel:
@@ -94,8 +83,8 @@ class TwoLevel:
         self,
         form: Pattern,
         x: FloatArray,
-        tolerance: float = 1e-8,
-        max_iterations: int = 500,
+        tolerance: float = limits.TOLERANCE,
+        max_iterations: int = limits.MOST_ITERATIONS,
         *,
         reference: FloatArray | None = None,
         threads: KernelThreads = SINGLE_THREAD,
@@ -115,7 +104,7 @@ class TwoLevel:
         order = self._lower.order
         self._smoother = IncompleteCholesky(self._lower, threads)
         self._x: FloatArray = np.ascontiguousarray(x[order])
-        self._group: IntArray = bisected(self._x, _CLUSTER, body_weights(self._lower, self._x))
+        self._group: IntArray = bisected(self._x, limits.CLUSTER, body_weights(self._lower, self._x))
         # A cluster of which only some bodies are held could not move, and would leave the others to the smoother.
         self._group[held[order]] += len(x)
         self._wide = LowRank(self._lower.place[form.wide.bodies], form.wide.rows, form.wide.stiffness)
@@ -189,7 +178,7 @@ class TwoLevel:
         except ValueError as error:
             raise SingularMatrixError(str(error)) from error
         row, column = self._ends
-        keep = intact(row, column, self._stiffness(blocks), self._reference, _INTACT)
+        keep = intact(row, column, self._stiffness(blocks), self._reference, limits.INTACT)
         label = connected(self._group, row[keep], column[keep])
         self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._wide, self._threads)
         self.clusters = self._coarse.clusters
@@ -259,13 +248,13 @@ class TwoLevel:
         assert self._blocks is not None
         size = term_sizes(self._lower, self._blocks, u) + np.abs(b)
         self._wide.add_sizes(u, size)
-        return bool(np.all(np.abs(r) <= _ROUND_OFF * size))
+        return bool(np.all(np.abs(r) <= limits.ROUND_OFF * size))
 
     def _solved(self, b: FloatArray, tolerance: float) -> FloatArray:
         u = np.zeros_like(b)
         r = b
         limit, error, left = None, np.inf, self.max_iterations
-        for starts_left in range(_STARTS, -1, -1):
+        for starts_left in range(limits.STARTS, -1, -1):
             coarse = np.zeros_like(b)
             self._coarse.add_motion(self._solver.solve(self._coarse.restrict(r)), coarse)
             energy = self._dot(r, coarse)
@@ -283,7 +272,7 @@ class TwoLevel:
             if starts_left == 0 or left == 0:
                 break
             p = z.copy()
-            while rho > 0.5 * limit and left > 0:
+            while rho > limits.ENDED * limit and left > 0:
                 left -= 1
                 self.iterations += 1
                 product = self._product(p)

@@ -165,7 +165,7 @@ def test_chunks_change_nothing(monkeypatch):
     found = field(seed=5)
     x = np.random.default_rng(1).random((2000, 3)) * [0.1, 0.04, 0.02]
     whole = found.strength(x)
-    monkeypatch.setattr("fissura.material.field.field._CHUNK", 77)
+    monkeypatch.setattr("fissura.material.field.limits.CHUNK_OF_POINTS", 77)
     # But for the last bits, in which libraries of linear algebra differ from one number of rows to another.
     np.testing.assert_allclose(found.strength(x), whole, rtol=1e-14)
 

@@ -18,6 +18,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
+from fissura.material.field import limits
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy
 
@@ -26,17 +27,9 @@ __all__ = ["CirculantExpansion", "local_error", "torus"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-#: Nodes along an axis from which the field is estimated.
-_STENCIL = 4
-#: Correlation at which the torus closes at first and at the latest, and share of negative eigenvalues, which are set to
-#: zero, that is accepted.
-_CLOSES, _CLOSED, _NEGATIVE = 1e-3, 1e-8, 1e-4
-#: Points in a cell, along an axis, at which the error is looked at.
-_LOOKS = 9
-
 
 def _stencil(spacing: FloatArray) -> FloatArray:
-    offsets = np.arange(_STENCIL) - (_STENCIL // 2 - 1)
+    offsets = np.arange(limits.STENCIL) - (limits.STENCIL // 2 - 1)
     return np.stack(np.meshgrid(*(offsets * step for step in spacing), indexing="ij"), axis=-1).reshape(-1, 3)
 
 
@@ -49,21 +42,21 @@ def _estimator(covariance: Covariance, spacing: FloatArray) -> tuple[FloatArray,
 
 def _axis_estimator(covariance: Covariance, step: float) -> FloatArray:
     """Inverse of the correlation matrix of the nodes along an axis, of scaled spacing."""
-    offsets = np.arange(_STENCIL) * step
+    offsets = np.arange(limits.STENCIL) * step
     inverse = np.linalg.inv(covariance.of(np.abs(offsets[:, None] - offsets)))
     return np.asarray(inverse, dtype=np.float64)
 
 
 def local_error(covariance: Covariance, spacing: FloatArray) -> tuple[float, float]:
     """Variance error of the estimate between nodes, mean and largest over a cell."""
-    looks = np.linspace(0.0, 1.0, _LOOKS)
-    weights = np.ones(_LOOKS)
+    looks = np.linspace(0.0, 1.0, limits.LOOKS_IN_CELL)
+    weights = np.ones(limits.LOOKS_IN_CELL)
     weights[[0, -1]] = 0.5
     weights /= weights.sum()
     if covariance.model.separable:
         kept = []
         for step in spacing / covariance.length:
-            offsets = np.arange(_STENCIL) - (_STENCIL // 2 - 1.0)
+            offsets = np.arange(limits.STENCIL) - (limits.STENCIL // 2 - 1.0)
             c = covariance.of(np.abs(looks[:, None] - offsets) * step)
             kept.append(np.einsum("ps,st,pt->p", c, _axis_estimator(covariance, step), c))
         variance = np.einsum("i,j,k->ijk", *kept)
@@ -71,7 +64,7 @@ def local_error(covariance: Covariance, spacing: FloatArray) -> tuple[float, flo
         nodes, inverse = _estimator(covariance, spacing)
         points = np.stack(np.meshgrid(looks, looks, looks, indexing="ij"), axis=-1).reshape(-1, 3) * spacing
         c = covariance.between(points, nodes)
-        variance = np.einsum("ps,ps->p", c @ inverse, c).reshape((_LOOKS,) * 3)
+        variance = np.einsum("ps,ps->p", c @ inverse, c).reshape((limits.LOOKS_IN_CELL,) * 3)
     mean = np.einsum("ijk,i,j,k->", variance, weights, weights, weights)
     return float(1.0 - mean), float(1.0 - variance.min())
 
@@ -80,7 +73,7 @@ def torus(covariance: Covariance, size: tuple[float, float, float], spacing: Flo
     """Nodes along each axis of a torus whose images are correlated by at most ``closes``; fast to transform."""
     apart = covariance.reach(closes) * covariance.length
     return [
-        scipy.fft.next_fast_len(int(np.ceil((side + gap) / step)) + _STENCIL)
+        scipy.fft.next_fast_len(int(np.ceil((side + gap) / step)) + limits.STENCIL)
         for side, gap, step in zip(size, apart, spacing, strict=True)
     ]
 
@@ -148,18 +141,15 @@ class CirculantExpansion:
         Spacing of the grid along the axes [m].
     """
 
-    #: Points that are evaluated together.
-    CHUNK = 8192
-
     def __init__(self, covariance: Covariance, size: tuple[float, float, float], spacing: FloatArray) -> None:
         self._covariance = covariance
         self._spacing = np.asarray(spacing, dtype=np.float64)
         self._cells = np.array([max(int(np.ceil(side / step)), 1) for side, step in zip(size, spacing, strict=True)])
-        closes = _CLOSES
+        closes = limits.CLOSES
         while True:
             spectrum = self._spectrum_of(torus(covariance, size, spacing, closes))
             negative = -float(spectrum[spectrum < 0.0].sum())
-            if negative <= _NEGATIVE * float(spectrum.sum()) or closes <= _CLOSED:
+            if negative <= limits.NEGATIVE * float(spectrum.sum()) or closes <= limits.CLOSED:
                 break
             closes *= 0.1
         np.maximum(spectrum, 0.0, out=spectrum)
@@ -198,18 +188,18 @@ class CirculantExpansion:
         """
         shape = self._spectrum.shape
         waves = np.sqrt(self._spectrum / self._spectrum.size) * xi.reshape(shape)
-        top = self._cells + _STENCIL - 1
+        top = self._cells + limits.STENCIL - 1
         transformed = scipy.fft.fftn(waves, overwrite_x=True)[: top[0], : top[1], : top[2]]
         values = np.ascontiguousarray(transformed.real - transformed.imag)
         inverse = 1.0 / self._spacing
 
         def at(x: FloatArray) -> FloatArray:
             out = np.empty(len(x))
-            for start in range(0, len(x), self.CHUNK):
-                part = np.ascontiguousarray(x[start : start + self.CHUNK])
+            for start in range(0, len(x), limits.CHUNK_OF_CELLS):
+                part = np.ascontiguousarray(x[start : start + limits.CHUNK_OF_CELLS])
                 place, within = np.empty(part.shape, dtype=np.int64), np.empty(part.shape)
                 _cells(part, inverse, self._cells, place, within)
-                self._between(place, within, values, out[start : start + self.CHUNK])
+                self._between(place, within, values, out[start : start + limits.CHUNK_OF_CELLS])
             return out
 
         return at
@@ -218,9 +208,9 @@ class CirculantExpansion:
         """Estimates at positions in cells."""
         if not self._covariance.model.separable:
             correlation = self._covariance.tabulated(within * self._spacing, self._nodes)
-            _estimate(place, correlation, self._inverse, values, _STENCIL, out)
+            _estimate(place, correlation, self._inverse, values, limits.STENCIL, out)
             return
-        offsets = np.arange(_STENCIL) - (_STENCIL // 2 - 1.0)
+        offsets = np.arange(limits.STENCIL) - (limits.STENCIL // 2 - 1.0)
         steps = self._spacing / self._covariance.length
         near = self._covariance.of(np.abs(within.T[:, :, None] - offsets) * steps[:, None, None])
         weights = near @ np.stack(self._axes)

@@ -13,14 +13,11 @@ from scipy.special import gammaln, kve
 
 from fissura.errors import InputError
 from fissura.kernels import njit
+from fissura.material.field import limits
 
 __all__ = ["MODELS", "Covariance", "Model", "covariance_named"]
 
 FloatArray = NDArray[np.float64]
-
-#: Intervals of the table from which kernels read a correlation, and the scaled distance it ends at: at most where the
-#: correlation has fallen below `_NOTHING`.
-_INTERVALS, _NOTHING = 4096, 1e-10
 
 
 @dataclass(frozen=True)
@@ -73,9 +70,6 @@ MODELS: dict[str, Model] = {
     "exponential": Model(exponential),
     "matern": Model(matern, ordered=True),
 }
-
-#: Largest order: beyond it Matérn's correlation is as good as ``exp(-d^2/2)``, and its Bessel function overflows.
-_LARGEST_ORDER = 50.0
 
 
 @njit()
@@ -140,7 +134,7 @@ class Covariance:
     def _table(self) -> tuple[FloatArray, float]:
         from scipy.interpolate import CubicSpline
 
-        knots = np.linspace(0.0, self.reach(_NOTHING), _INTERVALS + 1)
+        knots = np.linspace(0.0, self.reach(limits.NO_CORRELATION), limits.INTERVALS + 1)
         pieces = CubicSpline(knots, self.of(knots))
         width = knots[1]
         return np.ascontiguousarray((pieces.c * width ** np.arange(3, -1, -1)[:, None]).T), float(1.0 / width)
@@ -181,7 +175,9 @@ def covariance_named(name: str, length: tuple[float, ...], nu: float | None = No
         raise InputError("field.nu", f"missing, but {name} correlation needs it", "a number such as 1.5")
     if not model.ordered and nu is not None:
         raise InputError("field.nu", f"{name} correlation has none", 'only with correlation = "matern"')
-    if nu is not None and not 0.0 < nu <= _LARGEST_ORDER:
-        raise InputError("field.nu", f"{nu:g} is not possible", f"a number above 0 and at most {_LARGEST_ORDER:g}")
+    if nu is not None and not 0.0 < nu <= limits.LARGEST_ORDER:
+        raise InputError(
+            "field.nu", f"{nu:g} is not possible", f"a number above 0 and at most {limits.LARGEST_ORDER:g}"
+        )
     lengths = np.array(length if len(length) == 3 else length * 3, dtype=np.float64)
     return Covariance(model, lengths, nu, name)

@@ -11,17 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from fissura.material.field import limits
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy, Axes, counts, sample
 
 __all__ = ["DenseExpansion"]
 
 FloatArray = NDArray[np.float64]
-
-#: Numbers in an array of a chunk, points times nodes; eigenvalues below this share of the largest are round-off.
-_CHUNK, _ROUND_OFF = 1 << 20, 1e-11
-#: Most coordinates on an axis for mean values, and for the largest error.
-_MEANS, _LOOKS = 12, 8
 
 
 class DenseExpansion:
@@ -51,17 +47,17 @@ class DenseExpansion:
         )
         self._nodes = _points(axes)
         values, vectors = eigh(covariance.between(self._nodes, self._nodes))
-        kept = values > _ROUND_OFF * values[-1]
+        kept = values > limits.ROUND_OFF * values[-1]
         values, vectors = values[kept][::-1], vectors[:, kept][:, ::-1]
         first = np.argmax(np.abs(vectors) > 1e-8, axis=0)  # signs must not be left to the library
         basis = vectors * (np.sign(vectors[first, np.arange(len(first))]) / np.sqrt(values))
         points, weights = _gauss(size, [len(nodes) for nodes in axes])
         captured = weights @ np.square(covariance.tabulated(points, self._nodes) @ basis)
-        order = np.argsort(-np.round(captured, 12), kind="stable")
+        order = np.argsort(-np.round(captured, limits.DECIMALS), kind="stable")
         enough = np.flatnonzero(1.0 - np.cumsum(captured[order]) <= variance_error)
         order = order[: enough[0] + 1] if len(enough) else order
         self._basis = np.ascontiguousarray(basis[:, order])
-        looks = covariance.tabulated(_points(sample(axes, _LOOKS)), self._nodes) @ self._basis
+        looks = covariance.tabulated(_points(sample(axes, limits.LOOKS)), self._nodes) @ self._basis
         steps = [float(nodes[1]) for nodes in axes]
         self.accuracy = Accuracy(
             "EOLE",
@@ -78,7 +74,7 @@ class DenseExpansion:
 
     def realisation(self, xi: FloatArray) -> Callable[[FloatArray], FloatArray]:
         """The field for given standard Gaussian numbers (modes,): from points (n, 3) to standard Gaussian (n,)."""
-        rows = max(_CHUNK // len(self._nodes), 1)
+        rows = max(limits.CHUNK // len(self._nodes), 1)
 
         def at(x: FloatArray) -> FloatArray:
             out = np.empty(len(x))
@@ -97,7 +93,7 @@ def _points(axes: Axes) -> FloatArray:
 
 def _gauss(size: tuple[float, float, float], numbers: list[int]) -> tuple[FloatArray, FloatArray]:
     """Points in the box and weights, sum 1, for mean values."""
-    rules = [np.polynomial.legendre.leggauss(min(2 * n, _MEANS)) for n in numbers]
+    rules = [np.polynomial.legendre.leggauss(min(2 * n, limits.MEANS)) for n in numbers]
     axes = [0.5 * side * (points + 1.0) for side, (points, _) in zip(size, rules, strict=True)]
     a, b, c = (0.5 * weights for _, weights in rules)
     return _points((axes[0], axes[1], axes[2])), np.einsum("i,j,k->ijk", a, b, c).ravel()

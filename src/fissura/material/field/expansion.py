@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
+from fissura.material.field import limits
 from fissura.material.field.circulant import CirculantExpansion, local_error, torus
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.eole import DenseExpansion
@@ -20,17 +21,6 @@ __all__ = ["Expansion", "expand"]
 
 FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
-
-#: Grid over correlation length, and by how much it shrinks while the variance error is too large.
-_SPACING, _SHRINK = 1.0 / 3.0, 0.8
-#: Most nodes for all eigenpairs of a grid, and for products of one-dimensional ones. Measured by
-#: `benchmarks/random_field.py`: beyond them circulant embedding costs less for each point.
-_DENSE, _SEPARABLE = 300, 20_000
-#: Most nodes of a torus: as many as take about a gigabyte, and as many as a finer grid may have that only the
-#: variance error asks for.
-_MOST, _MOST_FINER = 1 << 24, 1 << 21
-#: Variance error from which on the variance that is left is round-off, and cannot be corrected.
-_NOTHING_LEFT = 1.0 - 1e-9
 
 
 class Expansion(Protocol):
@@ -76,15 +66,15 @@ def expand(
     InputError
         The correlation lengths, or the spacing, are too small for the box, or the spacing too large for the lengths.
     """
-    steps = covariance.length * _SPACING if spacing is None else np.full(3, spacing)
-    most = _SEPARABLE if covariance.model.separable else _DENSE
+    steps = covariance.length * limits.SPACING if spacing is None else np.full(3, spacing)
+    most = limits.SEPARABLE if covariance.model.separable else limits.DENSE
     small = SeparableExpansion if covariance.model.separable else DenseExpansion
     finer = steps
     while np.prod(counts(size, finer), dtype=float) <= most:
         found: Expansion = small(covariance, size, finer, variance_error)
         if spacing is not None or found.accuracy.mean <= variance_error:
             return _looked_at(found, variance_error, covariance, spacing)
-        finer = finer * _SHRINK
+        finer = finer * limits.SHRINK
     found = _embedded(covariance, size, variance_error, steps, spacing)
     return _looked_at(found, variance_error, covariance, spacing)
 
@@ -99,20 +89,20 @@ def _embedded(
     """Circulant embedding, on a finer grid while the error is too large and the grid is not."""
 
     def nodes(steps: FloatArray) -> float:
-        return float(np.prod(torus(covariance, size, steps, 1e-4), dtype=float))
+        return float(np.prod(torus(covariance, size, steps, limits.COUNTED), dtype=float))
 
-    if nodes(steps) > _MOST:
+    if nodes(steps) > limits.MOST:
         key, value = ("field.length", covariance.length.min()) if spacing is None else ("field.spacing", spacing)
-        least = float(value) * (nodes(steps) / _MOST) ** (1.0 / 3.0)
+        least = float(value) * (nodes(steps) / limits.MOST) ** (1.0 / 3.0)
         raise InputError(
             key,
             f"{float(value):g} m would take a grid of {nodes(steps):.2g} nodes in this specimen",
-            f"about {least:.2g} m or more, for at most {_MOST:.2g} nodes",
+            f"about {least:.2g} m or more, for at most {limits.MOST:.2g} nodes",
         )
     while spacing is None and local_error(covariance, steps)[0] > variance_error:
-        if nodes(steps * _SHRINK) > _MOST_FINER:
+        if nodes(steps * limits.SHRINK) > limits.MOST_FINER:
             break
-        steps = steps * _SHRINK
+        steps = steps * limits.SHRINK
     return CirculantExpansion(covariance, size, steps)
 
 
@@ -125,7 +115,7 @@ def _looked_at(expansion: Expansion, limit: float, covariance: Covariance, spaci
         There are points for which its grid knows nothing of the field.
     """
     found = expansion.accuracy
-    if spacing is not None and found.largest > _NOTHING_LEFT:
+    if spacing is not None and found.largest > limits.NOTHING_LEFT:
         length = float(covariance.length.min())
         raise InputError(
             "field.spacing",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.machine.memory import within_memory
+from fissura.material.field import limits
 from fissura.material.field.covariance import covariance_named
 from fissura.material.field.expansion import Expansion, expand
 from fissura.material.field.grid import Accuracy
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
 __all__ = ["RandomField", "field_from_case"]
 
 FloatArray = NDArray[np.float64]
-
-#: Points whose values are kept in memory at once while marginals are applied.
-_CHUNK = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -74,8 +72,8 @@ class RandomField:
 
 def _transformed(gaussian: Callable[[FloatArray], FloatArray], marginal: Marginal, x: FloatArray) -> FloatArray:
     out = np.empty(len(x))
-    for start in range(0, len(x), _CHUNK):
-        part = slice(start, start + _CHUNK)
+    for start in range(0, len(x), limits.CHUNK_OF_POINTS):
+        part = slice(start, start + limits.CHUNK_OF_POINTS)
         out[part] = marginal.from_gaussian(gaussian(x[part]))
     return out
 

@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import gamma, gammainc, log_ndtr, ndtri_exp
 
 from fissura.errors import InputError
+from fissura.material.field import limits
 from fissura.material.field.marginal import hazard
 
 __all__ = ["Grafted"]
@@ -62,8 +63,10 @@ class Grafted:
         """
         if shape <= 1.0:
             raise InputError("field.shape", f"{shape:g} is not possible", "a number above 1")
-        if not 1e-12 <= graft <= 0.5:
-            raise InputError("field.graft", f"{graft:g} is not possible", "a probability, 1e-12 to 0.5")
+        if not limits.GRAFTED[0] <= graft <= limits.GRAFTED[1]:
+            raise InputError(
+                "field.graft", f"{graft:g} is not possible", "a probability, {:g} to {:g}".format(*limits.GRAFTED)
+            )
         log_kept = -float(np.log1p(-graft))
 
         def moments(a: float) -> tuple[float, float, float]:
@@ -83,7 +86,7 @@ class Grafted:
             first, second, _ = moments(a)
             return float(np.sqrt(max(second / first**2 - 1.0, 0.0)))
 
-        low, high = -12.0, 12.0
+        low, high = limits.GRAFTS
         if not scatter(low) < cov < scatter(high):
             raise InputError(
                 "field.cov",

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from scipy.special import gammaln, log_ndtr, ndtri_exp
 
 from fissura.errors import InputError
+from fissura.material.field import limits
 
 __all__ = ["MARGINALS", "Gaussian", "Lognormal", "Marginal", "Weibull", "hazard", "marginal_named"]
 
@@ -85,15 +86,14 @@ class Gaussian:
             rate = hazard(a)
             return float(np.sqrt(1.0 + a * rate - rate * rate) / (rate - a))
 
-        far = 30.0  # with the bound that far above the centre the distribution is as good as exponential
         wanted = cov / (1.0 - lower)
-        if wanted >= ratio(far):
+        if wanted >= ratio(limits.FAR):
             raise InputError(
                 "field.cov",
                 f"{cov:g} is too large for a Gaussian truncated at {lower:g}",
-                f"below {ratio(far) * (1.0 - lower):.3g}, or a smaller field.lower",
+                f"below {ratio(limits.FAR) * (1.0 - lower):.3g}, or a smaller field.lower",
             )
-        a = brentq(lambda a: ratio(a) - wanted, -1.0 / wanted - 1.0, far, xtol=1e-15, rtol=1e-14)
+        a = brentq(lambda a: ratio(a) - wanted, -1.0 / wanted - 1.0, limits.FAR, xtol=1e-15, rtol=1e-14)
         deviation = (1.0 - lower) / (hazard(a) - a)
         return cls(lower - a * deviation, deviation, lower)
 
@@ -170,9 +170,6 @@ class Weibull:
     shape: float
     scale: float
 
-    #: Scatter there can be: between shapes of 1000 and 0.5.
-    LIMITS = (0.00128, 2.236)
-
     @classmethod
     def create(cls, cov: float) -> Self:
         """With mean 1 and the given coefficient of variation, for which the shape is solved.
@@ -182,8 +179,10 @@ class Weibull:
         InputError
             A scatter out of bounds.
         """
-        if not cls.LIMITS[0] <= cov <= cls.LIMITS[1]:
-            raise InputError("field.cov", f"{cov:g} is not possible", "{:g} to {:g} for Weibull".format(*cls.LIMITS))
+        if not limits.WEIBULL[0] <= cov <= limits.WEIBULL[1]:
+            raise InputError(
+                "field.cov", f"{cov:g} is not possible", "{:g} to {:g} for Weibull".format(*limits.WEIBULL)
+            )
         wanted = float(np.log1p(cov * cov))
         # log E[h^2] - 2 log E[h] at the inverse of the shape.
         inverse = brentq(

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from fissura.kernels import njit
+from fissura.material.field import limits
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy, counts, sample
 
@@ -21,13 +22,6 @@ __all__ = ["SeparableExpansion"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-#: Eigenvalues below this share of the largest are round-off.
-_ROUND_OFF = 1e-11
-#: Points along an axis for mean values, and most for the largest error.
-_MEANS, _LOOKS = 400, 24
-#: Modes of one axis that give less variance than this share of the error allowed cannot be among those kept.
-_NEGLIGIBLE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -55,11 +49,11 @@ class _Axis:
     def of(cls, covariance: Covariance, length: float, size: float, n: int, negligible: float) -> _Axis:
         nodes = np.linspace(0.0, size, n)
         values, vectors = eigh(covariance.of(np.abs(nodes[:, None] - nodes) / length))
-        kept = values > _ROUND_OFF * values[-1]
+        kept = values > limits.ROUND_OFF * values[-1]
         values, vectors = values[kept][::-1], vectors[:, kept][:, ::-1]
         basis = vectors * (np.where(vectors[0] < 0.0, -1.0, 1.0) / np.sqrt(values))
         # Gauss points: their weighted sum is the mean to round-off.
-        points, weights = np.polynomial.legendre.leggauss(min(_MEANS, 4 * n + 8))
+        points, weights = np.polynomial.legendre.leggauss(min(limits.MEANS_OF_AXIS, 4 * n + 8))
         shares = np.square(covariance.of(np.abs(0.5 * size * (points[:, None] + 1.0) - nodes) / length) @ basis)
         captured = 0.5 * weights @ shares
         order = np.argsort(-captured, kind="stable")
@@ -111,9 +105,6 @@ class SeparableExpansion:
         Limit on the variance error averaged over the box; may be missed by a grid that is too wide.
     """
 
-    #: Points that are evaluated together.
-    CHUNK = 4096
-
     def __init__(
         self, covariance: Covariance, size: tuple[float, float, float], spacing: FloatArray, variance_error: float
     ) -> None:
@@ -121,7 +112,7 @@ class SeparableExpansion:
         self._covariance = covariance
         numbers = counts(size, spacing)
         axes = [
-            _Axis.of(covariance, float(length), side, n, _NEGLIGIBLE * variance_error)
+            _Axis.of(covariance, float(length), side, n, limits.NEGLIGIBLE * variance_error)
             for length, side, n in zip(covariance.length, size, numbers, strict=True)
         ]
         # The axis with most modes comes last, where the innermost loop runs.
@@ -137,7 +128,7 @@ class SeparableExpansion:
         kept = np.zeros(captured.shape, dtype=bool)
         kept.flat[order] = True
         self._counts: IntArray = kept.sum(axis=2)
-        looks = sample((self._axes[0].nodes, self._axes[1].nodes, self._axes[2].nodes), _LOOKS)
+        looks = sample((self._axes[0].nodes, self._axes[1].nodes, self._axes[2].nodes), limits.LOOKS_OF_AXIS)
         a, b, c = (np.square(axis.modes(covariance, x)) for axis, x in zip(self._axes, looks, strict=True))
         largest = 1.0 - np.einsum("pi,qj,rk,ijk->pqr", a, b, c, kept.astype(float), optimize=True).min()
         steps = [float(axis.nodes[1]) for axis in axes]
@@ -161,13 +152,13 @@ class SeparableExpansion:
 
         def at(x: FloatArray) -> FloatArray:
             out = np.empty(len(x))
-            for start in range(0, len(x), self.CHUNK):
-                part = x[start : start + self.CHUNK]
+            for start in range(0, len(x), limits.CHUNK_OF_AXES):
+                part = x[start : start + limits.CHUNK_OF_AXES]
                 a, b, c = (
                     axis.modes(self._covariance, part[:, column])
                     for axis, column in zip(self._axes, self._permutation, strict=True)
                 )
-                _contract(a, b, c, core, self._counts, out[start : start + self.CHUNK])
+                _contract(a, b, c, core, self._counts, out[start : start + limits.CHUNK_OF_AXES])
             return out
 
         return at
