@@ -13,12 +13,13 @@ from pydantic import BeforeValidator, Field, ValidationError
 from fissura.calibration.problem import Problem, Test, Unknown, dimension_of, number_of
 from fissura.case import Case, case_from_dict, load_case
 from fissura.case.load import read_case_file
-from fissura.case.model import Quantity, folder_name
 from fissura.case.part import Part
 from fissura.case.report import fail, input_error
+from fissura.case.stages import Quantity
 from fissura.case.types import Repeats, Target
 from fissura.case.units import NUMBER, show, to_si
 from fissura.errors import InputError
+from fissura.files.folder import folder_name
 from fissura.results.measured import read_measured
 
 __all__ = ["DEFAULT_UNKNOWNS", "Request", "is_request", "problem_of", "read_request", "request_of"]

@@ -27,11 +27,10 @@ from fissura.calibration.result import Calibration
 from fissura.calibration.runs import OnRound, Rounds
 from fissura.calibration.search import least_runs, search
 from fissura.case import Case
-from fissura.case.model import folder_name
 from fissura.case.report import input_error
 from fissura.errors import InputError
 from fissura.files.atomic import write_json
-from fissura.files.folder import Folder
+from fissura.files.folder import Folder, folder_name
 from fissura.files.lock import locked
 from fissura.results.provenance import versions
 from fissura.results.summary import FORMAT_VERSION, read_summary

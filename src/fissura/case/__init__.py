@@ -1,58 +1,35 @@
 """Cases: what to break, how, and of what material, read from a TOML file."""
 
-from fissura.case.field import EnergyField, Field
+from fissura.case.conditions import Gauge, Load
+from fissura.case.ensemble import Ensemble
+from fissura.case.field import Field
 from fissura.case.load import case_from_dict, case_of, load_case
-from fissura.case.model import (
-    Adaptivity,
-    BallRegion,
-    BoxRegion,
-    Case,
-    Control,
-    Discretization,
-    Ensemble,
-    Gauge,
-    Gravity,
-    Load,
-    LoadingStage,
-    Macro,
-    Material,
-    MaterialRegion,
-    Notch,
-    Output,
-    Part,
-    Patch,
-    Quantity,
-    Specimen,
-    Stage,
-    Support,
-)
+from fissura.case.material import Material
+from fissura.case.model import Case
+from fissura.case.part import Part
+from fissura.case.place import Notch, Patch
 from fissura.case.plausible import case_notices
+from fissura.case.region import BallRegion, BoxRegion
+from fissura.case.settings import Discretization
+from fissura.case.shape import Specimen
+from fissura.case.stages import LoadingStage, Quantity
 
 __all__ = [
-    "Adaptivity",
     "BallRegion",
     "BoxRegion",
     "Case",
-    "Control",
     "Discretization",
-    "EnergyField",
     "Ensemble",
     "Field",
     "Gauge",
-    "Gravity",
     "Load",
     "LoadingStage",
-    "Macro",
     "Material",
-    "MaterialRegion",
     "Notch",
-    "Output",
     "Part",
     "Patch",
     "Quantity",
     "Specimen",
-    "Stage",
-    "Support",
     "case_from_dict",
     "case_notices",
     "case_of",

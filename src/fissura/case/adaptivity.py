@@ -12,7 +12,8 @@ from fissura.case.part import Part
 from fissura.case.ranges import LONGEST
 from fissura.case.region import Region
 from fissura.case.registry import CRITERIA, NameIn
-from fissura.case.types import Flag, Fraction, PositiveLength, as_tuple, at_most, fail
+from fissura.case.report import fail
+from fissura.case.types import Flag, Fraction, PositiveLength, as_tuple, at_most
 
 __all__ = ["LEVELS", "Adaptivity", "Level"]
 

@@ -9,7 +9,8 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from fissura.case.accepted import Schema, accepting
 from fissura.case.part import Part
-from fissura.case.types import Count, Repeats, fail, listed
+from fissura.case.report import fail
+from fissura.case.types import Count, Repeats, listed
 from fissura.case.units import plain, show
 
 __all__ = ["COMBINE", "Combine", "Ensemble", "Varied", "lists_of_values"]

@@ -9,7 +9,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator
 
 from fissura.case.accepted import accepting, one_or_list
-from fissura.case.types import Length, Point, fail, list_of, listed
+from fissura.case.report import fail
+from fissura.case.types import Length, Point, list_of, listed
 from fissura.case.units import LENGTH, show, to_si
 
 __all__ = ["UNIT", "Line", "NewSurface", "Pair", "SurfaceName", "SurfaceNames", "in_unit"]

@@ -8,8 +8,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fissura.case.model import Case, folder_name
+from fissura.case.model import Case
 from fissura.case.report import input_error
+from fissura.files.folder import folder_name
 from fissura.files.tables import read_json, read_toml
 
 __all__ = ["case_from_dict", "case_of", "load_case", "read_case_file"]

@@ -10,8 +10,10 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
+from fissura.case.ranges import derived, instead
 from fissura.case.region import Region
 from fissura.case.registry import LAWS, NameIn
+from fissura.case.report import fail
 from fissura.case.types import (
     Alpha,
     BulkModulus,
@@ -26,9 +28,6 @@ from fissura.case.types import (
     Strength,
     as_tuple,
     at_most,
-    derived,
-    fail,
-    instead,
 )
 from fissura.case.units import ENERGY_PER_AREA, STRESS, told
 from fissura.errors import InputError

@@ -18,7 +18,8 @@ from pydantic import (
 from fissura.case.material import Material
 from fissura.case.part import Part
 from fissura.case.region import Region
-from fissura.case.types import as_tuple, at_most, fail
+from fissura.case.report import fail
+from fissura.case.types import as_tuple, at_most
 from fissura.errors import InputError
 
 __all__ = ["MaterialRegion"]

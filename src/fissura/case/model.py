@@ -1,190 +1,32 @@
-"""The parts of a case: what a case file may say, validated, in SI units."""
+"""A case as a whole: what a case file may say, validated, in SI units."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
 from fissura.case.adaptivity import Adaptivity
+from fissura.case.conditions import Gauge, Load, Named, Support, Tables, named
 from fissura.case.ensemble import Ensemble
 from fissura.case.field import Field as RandomField
-from fissura.case.material import Macro, Material
+from fissura.case.material import Material
 from fissura.case.materials import MaterialRegion
-from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
-from fissura.case.place import Notch, Patch
-from fissura.case.platen import PlatenOfLoad, PlatenOfSupport
+from fissura.case.place import Notch
 from fissura.case.programme import GRAVITY, Control, Gravity, Stage
-from fissura.case.ranges import LONGEST, unless
-from fissura.case.region import BallRegion, BoxRegion
-from fissura.case.registry import GAUGES, SOLVERS, SUPPORTS, NameIn
+from fissura.case.ranges import unless
+from fissura.case.report import fail
+from fissura.case.settings import Discretization, Output, Solver
 from fissura.case.shape import Specimen, Voids
-from fissura.case.stages import LoadingStage, resolved_stages
-from fissura.case.types import (
-    Count,
-    Direction,
-    Duration,
-    File,
-    PositiveLength,
-    Thousands,
-    as_tuple,
-    at_most,
-    derived,
-    fail,
-)
+from fissura.case.stages import LoadingStage, Quantity, resolved_stages
+from fissura.case.types import Count, as_tuple, at_most
 from fissura.case.units import show
+from fissura.files.folder import folder_name
 
-__all__ = [
-    "Adaptivity",
-    "BallRegion",
-    "BoxRegion",
-    "Case",
-    "Control",
-    "Discretization",
-    "Ensemble",
-    "Gauge",
-    "Gravity",
-    "Load",
-    "LoadingStage",
-    "Macro",
-    "Material",
-    "MaterialRegion",
-    "Notch",
-    "Output",
-    "Part",
-    "Patch",
-    "Quantity",
-    "Specimen",
-    "Stage",
-    "Support",
-]
-
-P = TypeVar("P", bound=Part)
-
-#: Names of loads and gauges, and how many of each there may be.
-_NAME, _MOST_NAMES = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}"), 50
-
-Quantity = Literal["gauge", "displacement"]
-"""What may be controlled: the gauge, or the displacement of the load."""
-
-#: What names of folders cannot hold: signs of paths and shells, control characters, bytes that are not UTF-8.
-_NOT_IN_NAMES = re.compile(r'[\x00-\x1f\x7f-\x9f<>:"/\\|?*\u2028\u2029\ud800-\udfff]')
-
-#: Longest name of a folder, in characters and, since file systems count these, in bytes.
-_LONGEST_NAME, _LONGEST_BYTES = 100, 240
-
-
-def folder_name(text: str) -> str:
-    """The nearest text that can name a folder on any machine; the same if it can."""
-    clean = _NOT_IN_NAMES.sub("_", text)[:_LONGEST_NAME]
-    clean = clean.encode()[:_LONGEST_BYTES].decode(errors="ignore")
-    return clean if clean.strip(". ") else "case"
-
-
-class Support(Patch):
-    """Patch of the surface that is held."""
-
-    type: Annotated[str, NameIn(SUPPORTS)]
-    platen: PlatenOfSupport = None
-
-
-class Load(Patch):
-    """Patch of the surface that is loaded; direction None: into the specimen."""
-
-    direction: Direction | None = Field(default=None, description="three numbers")
-    platen: PlatenOfLoad = None
-
-
-_PLACE = 'a place such as { face = "bottom", at = "%s" }'
-
-
-class Gauge(WithOwnTable):
-    """Mean displacement of patch b minus that of patch a; direction None: from a to b. Other kinds have own tables."""
-
-    registry: ClassVar = GAUGES
-
-    a: Patch | None = Field(default=None, description=_PLACE % "170 mm")
-    b: Patch | None = Field(default=None, description=_PLACE % "180 mm")
-    direction: Direction | None = Field(default=None, description="three numbers")
-
-    @property
-    def kind(self) -> str:
-        """Name of what it measures."""
-        return self.own_name or "opening"
-
-    @model_validator(mode="after")
-    def _places(self) -> Self:
-        for key in ("a", "b", "direction"):
-            given = getattr(self, key) is not None
-            if self.own_name and given:
-                fail(f"is given together with {self.own_name}", f"either a and b, or {self.own_name}", key)
-            if not (self.own_name or given or key == "direction"):
-                fail("missing", f"{type(self).model_fields[key].description}", key)
-        return self
-
-
-class Discretization(Part):
-    """Spacing of the nuclei."""
-
-    l_f: PositiveLength = Field(description='a length such as "10 mm"')
-    l_c: PositiveLength = Field(default_factory=derived(lambda l_f: min(4.0 * l_f, LONGEST), "l_f"))
-    nuclei: File | None = None
-
-    @model_validator(mode="after")
-    def _fine_below_coarse(self) -> Self:
-        if self.l_f > self.l_c:
-            fail(f"{self.l_f:g} m is larger than l_c = {self.l_c:g} m", "l_f at most l_c", "l_f")
-        return self
-
-
-class Solver(Part):
-    """How linear equations are solved."""
-
-    linear: Annotated[str, NameIn(SOLVERS, "auto")] = "auto"
-    threads: Thousands = 0
-
-
-class Output(Part):
-    """What a run writes besides its curve and summary, and how often it saves how to go on."""
-
-    vtk: Thousands = 5
-    measured: File | None = None
-    checkpoint: Duration = 30.0
-
-
-@dataclass(frozen=True)
-class Named(Generic[P]):
-    """A load or a gauge with its name.
-
-    Attributes
-    ----------
-    name : str
-        Its name in stages and results.
-    key : str
-        Where the case has it, for messages.
-    part : Load or Gauge
-        The table.
-    """
-
-    name: str
-    key: str
-    part: P
-
-
-def _named(name: str, one: P | None, many: Mapping[str, P]) -> tuple[Named[P], ...]:
-    first = () if one is None else (Named(name, name, one),)
-    return (*first, *(Named(key, f"{name}s.{key}", part) for key, part in many.items()))
+__all__ = ["Case"]
 
 
 class Case(Part):
@@ -222,6 +64,8 @@ class Case(Part):
     'pin'
     """
 
+    stays: ClassVar = ("source",)
+
     name: str = "case"
     seed: Count = 1
     specimen: Specimen = Field(description="a table [specimen] with size, outline, cylinder or mesh")
@@ -230,7 +74,7 @@ class Case(Part):
     supports: Annotated[tuple[Support, ...], BeforeValidator(as_tuple), at_most(50)] = Field(
         description="at least one table [[supports]] with type, and face or on"
     )
-    loads: dict[str, Load] = Field(default_factory=dict, description="tables [loads.NAME]")
+    loads: Tables[Load] = Field(default_factory=dict, description="tables [loads.NAME]")
     gravity: Gravity | None = None
     stage: Annotated[tuple[Stage, ...], BeforeValidator(as_tuple), at_most(100)] = ()
     load: Annotated[Load | None, unless("loads", "gravity")] = Field(
@@ -244,7 +88,7 @@ class Case(Part):
         default=None, description="a table [control] with target, or tables [[stage]] with to"
     )
     gauge: Gauge | None = None
-    gauges: dict[str, Gauge] = Field(default_factory=dict, description="tables [gauges.NAME]")
+    gauges: Tables[Gauge] = Field(default_factory=dict, description="tables [gauges.NAME]")
     output: Output = Output()
     solver: Solver = Solver()
     field: RandomField | None = None
@@ -254,38 +98,6 @@ class Case(Part):
     def source(self) -> str | None:
         """Text of the case file; None for a case that was not read from one."""
         return None  # `load_case` puts the text in its place
-
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy with other values at the top; `with_` also reaches into tables.
-
-        The copy is validated, and defaults that were not given follow. The text of the case file stays with it.
-
-        Parameters
-        ----------
-        update : mapping, optional
-            New values by key, as a case file or a part of a case gives them.
-        deep : bool, optional
-            Whether parts that stay are copied, too.
-
-        Returns
-        -------
-        Case
-            The copy.
-
-        Raises
-        ------
-        InputError
-            A new value is wrong, or does not go with the others.
-
-        Examples
-        --------
-        >>> case.model_copy(update={"seed": 7}).seed
-        7
-        """
-        found = super().model_copy(update=update, deep=deep)
-        if "source" in self.__dict__:
-            found.__dict__["source"] = self.source
-        return found
 
     def with_(self, changes: Mapping[str, Any]) -> Self:
         """Copy with other values by dotted key; defaults that were not given follow them.
@@ -332,12 +144,12 @@ class Case(Part):
     @cached_property
     def named_loads(self) -> tuple[Named[Load], ...]:
         """All loads but gravity; that of the table ``[load]`` is called "load"."""
-        return _named("load", self.load, self.loads)
+        return named("load", self.load, self.loads)
 
     @cached_property
     def named_gauges(self) -> tuple[Named[Gauge], ...]:
         """All gauges; that of the table ``[gauge]`` is called "gauge"."""
-        return _named("gauge", self.gauge, self.gauges)
+        return named("gauge", self.gauge, self.gauges)
 
     @property
     def load_names(self) -> list[str]:
@@ -395,27 +207,6 @@ class Case(Part):
         for k, part in enumerate(self.materials):
             part.settle(self.material, f"materials[{k}]")
         return self
-
-    @field_validator("loads", "gauges", mode="before")
-    @classmethod
-    def _names(cls, value: Any, info: ValidationInfo) -> Any:
-        kind = f"{info.field_name}".removesuffix("s")
-        tables = f"tables with names, such as [{kind}s.left]; one without a name is [{kind}]"
-        if isinstance(value, list):
-            fail("is a list of tables", tables)
-        if not isinstance(value, dict):
-            fail(f"{show(value)} is not a table", tables)
-        if len(value) > _MOST_NAMES:
-            fail(f"{len(value)} are given", f"at most {_MOST_NAMES}")
-        for name in value:
-            if not isinstance(name, str) or not _NAME.fullmatch(name):
-                allowed = "a letter, then letters, digits, - and _, up to 40 of them"
-                fail("is no name for a load or a gauge", allowed, (str(name),))
-            if not isinstance(value[name], Mapping | Part):
-                fail(f"{name} = {show(value[name])} stands where tables with names do", tables)
-            if name == GRAVITY:
-                fail("is the name of the specimen's own weight", "a table [gravity], or another name", (name,))
-        return value
 
     @model_validator(mode="after")
     def _controlled(self) -> Self:

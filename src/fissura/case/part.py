@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Self
+from collections.abc import Iterable, Mapping
+from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from fissura.case.report import input_error
+from fissura.case.report import fail, input_error
 from fissura.errors import InputError
 
 __all__ = ["Part"]
@@ -17,6 +17,9 @@ class Part(BaseModel):
     """Base of all parts of a case: frozen, keys that are not known are errors."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+    #: What copies keep besides values.
+    stays: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def table(cls, key: str) -> type[BaseModel] | None:
@@ -40,10 +43,10 @@ class Part(BaseModel):
         return None
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Copy with other values; defaults that were not given follow them.
+        """Copy with other values; defaults that were not given follow them. `with_` of a case also reaches into tables.
 
         The copy is validated from what was given to this one and from the update. pydantic's own copy would keep
-        ``f_s = 3 f_t`` of the old ``f_t``, and check nothing.
+        ``f_s = 3 f_t`` of the old ``f_t``, and check nothing. The text of the case file stays with a case.
 
         Parameters
         ----------
@@ -75,6 +78,7 @@ class Part(BaseModel):
             found = type(self).model_validate(data)
         except ValidationError as error:
             raise input_error(error, type(self), data) from None
+        vars(found).update({name: value for name, value in vars(self).items() if name in self.stays})
         return found.model_copy(deep=True) if deep else found
 
     def copy(self, *, include: Any = None, exclude: Any = None, update: Any = None, deep: bool = False) -> Self:
@@ -109,3 +113,15 @@ class Part(BaseModel):
     def _given(self, update: Mapping[str, Any]) -> dict[str, Any]:
         """Values that were given and stay so beside an update."""
         return {name: getattr(self, name) for name in self.model_fields_set}
+
+    def _refuse_beside(self, first: str, others: Iterable[str], allowed: str) -> None:
+        """Fail for a key that is given although another one is, with which it does not go."""
+        for key in others:
+            if getattr(self, key) is not None:
+                fail(f"is given together with {first}", allowed, key)
+
+    def _at_most_one(self, keys: Iterable[str], allowed: str) -> list[str]:
+        """Which of some keys is given; fail where two are."""
+        given = [key for key in keys if getattr(self, key) is not None]
+        self._refuse_beside(given[0] if given else "", given[1:], allowed)
+        return given

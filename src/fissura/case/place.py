@@ -8,7 +8,8 @@ from pydantic import Field, model_validator
 
 from fissura.case.lengths import UNIT, Line, SurfaceName, SurfaceNames, in_unit
 from fissura.case.part import Part
-from fissura.case.types import Axis, Direction, Length, Point, PositiveLength, Thickness, fail
+from fissura.case.report import fail
+from fissura.case.types import Axis, Direction, Length, Point, PositiveLength, Thickness
 
 __all__ = ["Box", "Notch", "Patch"]
 
@@ -56,14 +57,10 @@ class Patch(Part):
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
-        if self.face is None and self.on is None:
+        if not self._at_most_one(("face", "on"), "either face or on, which may name several"):
             fail("missing", _NAME, "face")
-        if self.face is not None and self.on is not None:
-            fail("is given together with face", "either face or on, which may name several", "on")
-        given = [key for key in ("at", "point", "line", "box") if getattr(self, key) is not None]
-        if len(given) > 1:
-            allowed = "one of at, point, line and box, or none of them for the whole face"
-            fail(f"is given together with {given[0]}", allowed, given[1])
+        allowed = "one of at, point, line and box, or none of them for the whole face"
+        given = self._at_most_one(("at", "point", "line", "box"), allowed)
         if self.width > 0 and given != ["at"] and (given or self.toward is None):
             allowed = "a width only with at, or with toward alone: it is the width of the platen there"
             fail("is given without at", allowed, "width")
@@ -113,17 +110,14 @@ class Notch(Part):
 
     @model_validator(mode="after")
     def _one_form(self) -> Self:
-        if self.on is not None and self.face is not None:
-            fail("is given together with face", "either face or on", "on")
+        surface = self._at_most_one(("face", "on"), "either face or on")
         if self.at is None and self.position is None:
             if self.on is not None:
                 fail("missing", "three lengths, a point of the mouth; or face and position", "at")
             fail("missing", 'a length such as "50 mm", the coordinate along normal; or on and at', "position")
         if self.at is not None:
-            for key in ("position", "normal"):
-                if getattr(self, key) is not None:
-                    fail("is given together with at", "position and normal, or at, direction and along", key)
-            if self.on is None and self.face is None:
+            self._refuse_beside("at", ("position", "normal"), "position and normal, or at, direction and along")
+            if not surface:
                 fail("missing", "the name of a surface", "on")
         else:
             if self.on is not None:

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field
 
 from fissura.case.accepted import accepting
 from fissura.case.part import Part
-from fissura.case.types import fail
+from fissura.case.report import fail
 from fissura.case.units import show
 
 __all__ = ["Platen", "PlatenOfLoad", "PlatenOfSupport"]

@@ -12,9 +12,10 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 
 from fissura.case.accepted import NUMBER_WITH_UNIT, accepting, one_or_list
 from fissura.case.part import Part
-from fissura.case.ranges import ACCELERATIONS, COORDINATES, DENSITIES, FORCES, POSITIVE, derived, quantity
-from fissura.case.types import Direction, Flag, Fraction, Iterations, Share, StepLength, Target, Tolerance, fail, listed
-from fissura.case.units import ACCELERATION, DENSITY, FORCE, LENGTH, NUMBER, show, to_si
+from fissura.case.ranges import ACCELERATIONS, COORDINATES, DENSITIES, FORCES, POSITIVE, derived, number_of, quantity
+from fissura.case.report import fail
+from fissura.case.types import Direction, Flag, Fraction, Iterations, Share, StepLength, Target, Tolerance, listed
+from fissura.case.units import ACCELERATION, DENSITY, FORCE, LENGTH, NUMBER, show
 
 __all__ = ["GRAVITY", "Control", "Gravity", "Stage", "StageTarget"]
 
@@ -136,10 +137,7 @@ class Stage(Part):
             fail(f"{show(value)} is neither a name nor a table", allowed)
         found = {}
         for name, ratio in value.items():
-            try:
-                found[str(name)] = to_si(ratio, NUMBER)
-            except ValueError as error:
-                fail(str(error), "a number", (str(name),))
+            found[str(name)] = number_of(ratio, NUMBER, "a number", key=(str(name),))
             if not 1e-6 <= abs(found[str(name)]) <= 1e6:
                 fail(
                     f"{show(ratio)} is no ratio of loads", "a number, 1e-6 to 1e6 or the negative of one", (str(name),)
@@ -166,12 +164,7 @@ class Stage(Part):
                 found.append(f"{float(match[1]):g} % of {match[2]}")
                 continue
             allowed = f'{dimension.allowed}, {within.text}, or a share of a load such as "5 % of load"'
-            try:
-                number = to_si(item, dimension)
-            except ValueError as error:
-                fail(str(error), allowed, where)
-            if wrong := within.what_is_wrong(number):
-                fail(f"{show(item)} is {wrong}", allowed, where)
+            number = number_of(item, dimension, allowed, within, key=where)
             if found and found[-1] == number:
                 fail(f"{show(item)} is the target before it, too", "a target that differs from the one before", where)
             found.append(number)

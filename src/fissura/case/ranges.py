@@ -120,15 +120,27 @@ def quantity(dimension: Dimension, allowed_range: Range, hint: str = "") -> Call
             raise PydanticCustomError("waiting", "its default depends on a key that is wrong")
         if value is _MISSING:
             raise PydanticCustomError("missing", "missing")
-        try:
-            number = to_si(value, dimension)
-        except ValueError as error:
-            fail(str(error), allowed)
-        if wrong := allowed_range.what_is_wrong(number):
-            fail(f"{show(value)} is {wrong}", allowed + hint)
-        return number
+        return number_of(value, dimension, allowed, allowed_range, hint)
 
     return validate
+
+
+def number_of(
+    value: Any,
+    dimension: Dimension,
+    allowed: str,
+    allowed_range: Range | None = None,
+    hint: str = "",
+    key: tuple[int | str, ...] = (),
+) -> float:
+    """A number in SI units within a range, or the message for the user about what stands at a key."""
+    try:
+        number = to_si(value, dimension)
+    except ValueError as error:
+        fail(str(error), allowed, key)
+    if allowed_range is not None and (wrong := allowed_range.what_is_wrong(number)):
+        fail(f"{show(value)} is {wrong}", allowed + hint, key)
+    return number
 
 
 def derived(function: Callable[..., float], *keys: str) -> Callable[[dict[str, Any]], Any]:

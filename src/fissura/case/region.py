@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from fissura.case.part import Part
-from fissura.case.types import Point, PositiveLength, fail
+from fissura.case.report import fail
+from fissura.case.types import Point, PositiveLength
 from fissura.case.units import show
 
 __all__ = ["BallRegion", "BoxRegion", "Region", "require_volume"]

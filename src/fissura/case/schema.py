@@ -12,7 +12,8 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
 from fissura.case.accepted import Schema, change_of
-from fissura.case.model import Case, Gauge
+from fissura.case.conditions import Gauge
+from fissura.case.model import Case
 from fissura.case.own_table import WithOwnTable
 from fissura.case.shape import Specimen
 

@@ -14,7 +14,8 @@ from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
 from fissura.case.region import require_volume
 from fissura.case.registry import SHAPES, NameIn
-from fissura.case.types import Axis, File, Length, Point, PositiveLength, Size, StepLength, as_tuple, fail, listed
+from fissura.case.report import fail
+from fissura.case.types import Axis, File, Length, Point, PositiveLength, Size, StepLength, as_tuple, listed
 from fissura.case.units import show
 
 __all__ = ["Block", "Bore", "Corner", "Cylinder", "Outline", "Prism", "Specimen", "Void", "Voids"]
@@ -193,9 +194,7 @@ class Bore(Part):
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         if self.through is not None:
-            for key in ("start", "end"):
-                if getattr(self, key) is not None:
-                    fail("is given together with through", "through and axis, or start and end", key)
+            self._refuse_beside("through", ("start", "end"), "through and axis, or start and end")
             if self.axis is None:
                 self.__dict__["axis"] = "z"
         else:
@@ -249,11 +248,9 @@ class Void(Part):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        given = [kind for kind in ("box", "cylinder", "outline") if getattr(self, kind) is not None]
-        if not given:
+        kinds = ("box", "cylinder", "outline")
+        if not self._at_most_one(kinds, "one of box, cylinder, outline in each table"):
             fail("missing", "a table; or cylinder, or outline", "box")
-        if len(given) > 1:
-            fail(f"is given together with {given[0]}", "one of box, cylinder, outline in each table", given[1])
         return self
 
 

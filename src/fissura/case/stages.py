@@ -7,10 +7,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fissura.case.programme import GRAVITY, Control, Stage, StageTarget
-from fissura.case.types import fail
+from fissura.case.report import fail
 from fissura.case.units import show
 
-__all__ = ["LoadingStage", "resolved_stages"]
+__all__ = ["LoadingStage", "Quantity", "resolved_stages"]
+
+Quantity = Literal["gauge", "displacement"]
+"""What may be controlled: the gauge, or the displacement of the load."""
 
 
 @dataclass(frozen=True)

@@ -24,12 +24,11 @@ from fissura.case.ranges import (
     STRENGTHS,
     WIDTHS,
     between,
-    derived,
-    instead,
+    number_of,
     quantity,
 )
 from fissura.case.report import fail
-from fissura.case.units import DURATION, ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, plain, show, to_si
+from fissura.case.units import DURATION, ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, plain, show
 
 __all__ = [
     "Alpha",
@@ -71,9 +70,6 @@ __all__ = [
     "WeibullShape",
     "as_tuple",
     "at_most",
-    "derived",
-    "fail",
-    "instead",
     "list_of",
     "listed",
     "whole",
@@ -87,10 +83,7 @@ LARGEST_INTEGER = 2**63 - 1
 def _poisson(value: Any) -> float:
     law = macroscopic_elasticity()
     least, most = law.range
-    try:
-        number = to_si(value, NUMBER)
-    except ValueError as error:
-        fail(str(error), law.allowed)
+    number = number_of(value, NUMBER, law.allowed)
     if not least <= number <= most:
         fail(f"{show(value)} cannot be reached", law.allowed)
     return number
@@ -151,7 +144,8 @@ def list_of(count: int, what: str) -> Callable[[Any], Any]:
 
 @accepting(lambda inner: {**inner, "prefixItems": 3 * [NUMBER_WITH_UNIT]})
 def _unit_vector(value: Any) -> tuple[float, float, float]:
-    numbers = [to_si_or_fail(item) for item in list_of(3, "numbers")(value)]
+    allowed = "a list of three numbers such as [0, -1, 0]"
+    numbers = [number_of(item, NUMBER, allowed) for item in list_of(3, "numbers")(value)]
     if abs(math.hypot(*numbers) - 1.0) < 8e-16:  # a case read again from what it resolved is the same, bit for bit
         return numbers[0], numbers[1], numbers[2]
     largest = max(abs(number) for number in numbers)
@@ -160,14 +154,6 @@ def _unit_vector(value: Any) -> tuple[float, float, float]:
     x, y, z = (number / largest for number in numbers)  # keeps the squares from overflow
     length = math.hypot(x, y, z)
     return x / length, y / length, z / length
-
-
-def to_si_or_fail(value: Any) -> float:
-    """Return a pure finite number, or fail with the message for the user."""
-    try:
-        return to_si(value, NUMBER)
-    except ValueError as error:
-        fail(str(error), "a list of three numbers such as [0, -1, 0]")
 
 
 def _file(value: Any, info: ValidationInfo) -> Path:
@@ -206,15 +192,8 @@ def _gaussian(value: Any) -> tuple[float, ...]:
     value = listed(value)
     if not isinstance(value, list):
         fail(f"{show(value)} is not a list", allowed)
-    found = []
-    for k, item in enumerate(value):
-        try:
-            found.append(to_si(item, NUMBER))
-        except ValueError as error:
-            fail(str(error), allowed, (k,))
-        if abs(found[-1]) > 10.0:
-            fail(f"{show(item)} is too {'large' if found[-1] > 0.0 else 'small'}", allowed, (k,))
-    return tuple(found)
+    within = between(-10.0, 10.0)
+    return tuple(number_of(item, NUMBER, allowed, within, key=(k,)) for k, item in enumerate(value))
 
 
 @accepting(one_or_list)

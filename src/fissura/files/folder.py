@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -14,7 +15,17 @@ from fissura.errors import InputError
 from fissura.files.atomic import part_of
 from fissura.files.earlier import kind_before_marks, names_before_marks
 
-__all__ = ["MARK", "Folder", "FolderKind", "claimed", "copied", "copy_files", "kind_of", "prepare_folder"]
+__all__ = [
+    "MARK",
+    "Folder",
+    "FolderKind",
+    "claimed",
+    "copied",
+    "copy_files",
+    "folder_name",
+    "kind_of",
+    "prepare_folder",
+]
 
 FolderKind = Literal["run", "ensemble", "study", "elastic", "calibration"]
 """What a folder of results is of."""
@@ -30,6 +41,19 @@ _NAMES: dict[str, str] = {
     "elastic": "fissura elastic",
     "calibration": "a calibration",
 }
+
+#: What names of folders cannot hold: signs of paths and shells, control characters, bytes that are not UTF-8.
+_NOT_IN_NAMES = re.compile(r'[\x00-\x1f\x7f-\x9f<>:"/\\|?*\u2028\u2029\ud800-\udfff]')
+
+#: Longest name of a folder, in characters and, since file systems count these, in bytes.
+_LONGEST_NAME, _LONGEST_BYTES = 100, 240
+
+
+def folder_name(text: str) -> str:
+    """The nearest text that can name a folder on any machine; the same if it can."""
+    clean = _NOT_IN_NAMES.sub("_", text)[:_LONGEST_NAME]
+    clean = clean.encode()[:_LONGEST_BYTES].decode(errors="ignore")
+    return clean if clean.strip(". ") else "case"
 
 
 class Folder:

@@ -13,8 +13,8 @@ from pydantic import AfterValidator, Field, ValidationError, model_validator
 from fissura.case import Case, case_from_dict
 from fissura.case.load import read_case_file
 from fissura.case.part import Part
-from fissura.case.report import input_error
-from fissura.case.types import Count, Fraction, fail
+from fissura.case.report import fail, input_error
+from fissura.case.types import Count, Fraction
 from fissura.errors import InputError
 from fissura.files.tables import read_toml
 
