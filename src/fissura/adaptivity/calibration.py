@@ -11,14 +11,13 @@ from __future__ import annotations
 import logging
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fissura.adaptivity import limits
+from fissura.arrays import FloatArray
 from fissura.equilibrium import System
 
 __all__ = ["calibrated", "gauge_compliance"]
 
-FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 
@@ -47,7 +46,15 @@ def _compliance(system: System, solutions: FloatArray) -> float:
 
 
 def elastic_share(system: System, solutions: FloatArray) -> float:
-    """Part of the undamaged gauge compliance that is due to coarse contacts [m/N], from :func:`_unit_solutions`."""
+    """Part of the undamaged gauge compliance that is due to coarse contacts [m/N].
+
+    Parameters
+    ----------
+    system : System
+        Equations.
+    solutions : (6 n, 2) array
+        Undamaged displacements under the unit load, and under a unit force at the controlled quantity.
+    """
     a, b = (system.strain(np.ascontiguousarray(u)) for u in solutions.T)
     each = system.geometry.volume * np.einsum("ca,ca,ca->c", a, system.moduli, b)
     return float(each[system.coarse].sum())

@@ -11,18 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fissura.adaptivity import limits
 from fissura.adaptivity.region import RefinedRegion
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.contact import AppliedLaw
 from fissura.tessellation import Tessellation
 
 __all__ = ["Coarsening", "needed_bodies"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 def needed_bodies(

@@ -8,13 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray
 from fissura.tessellation import Tessellation
 
 __all__ = ["ElasticState", "rankine", "utilisation"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -39,7 +37,7 @@ class ElasticState:
     stress: FloatArray
     strength: FloatArray
     utilisation: FloatArray
-    elastic: NDArray[np.bool_]
+    elastic: BoolArray
 
 
 def rankine(state: ElasticState) -> FloatArray:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fissura.adaptivity.coarsening import Coarsening
 from fissura.adaptivity.region import RefinedRegion
+from fissura.arrays import FloatArray
 
 __all__ = ["Layout"]
 
@@ -34,7 +32,7 @@ class Layout:
     stays_fine: bool = False
     elastic_scale: float = 1.0
 
-    def refined(self, centers: NDArray[np.float64]) -> Layout:
+    def refined(self, centers: FloatArray) -> Layout:
         """With further critical centres, shape (k, 3); the factor is still that of before."""
         return replace(self, region=self.region.grown(centers), coarsening=self.coarsening.refined(centers))
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fissura.arrays import FloatArray
 from fissura.material import Regions
 
 if TYPE_CHECKING:
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from fissura.specimen import Domain
 
 __all__ = ["RefinedRegion", "region_from_case"]
-
-FloatArray = NDArray[np.float64]
 
 
 def _empty(*shape: int) -> FloatArray:

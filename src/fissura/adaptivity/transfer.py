@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fissura.arrays import FloatArray, IntArray
 
 __all__ = ["transfer_history"]
 
 
 def transfer_history(
-    old_pairs: NDArray[np.int64],
-    old: NDArray[np.float64],
-    new_pairs: NDArray[np.int64],
-    virgin: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    old_pairs: IntArray,
+    old: FloatArray,
+    new_pairs: IntArray,
+    virgin: FloatArray,
+) -> FloatArray:
     """History on a new discretization: kept where both nuclei stay, that of virgin contacts for new ones.
 
     Parameters

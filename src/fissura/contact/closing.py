@@ -9,14 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.contact.law import CusatisCedolin
 from fissura.kernels import njit
 
 __all__ = ["ClosingCusatisCedolin"]
 
-FloatArray = NDArray[np.float64]
 
 #: Column of history behind those of the published law: 1 where the contact is pressed.
 _CLOSED = 3

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.tessellation import Contacts, Tessellation
 
@@ -19,9 +19,6 @@ __all__ = [
     "nodal_forces",
     "tangent_directions",
 ]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from fissura.arrays import FloatArray
 from fissura.contact import limits
 from fissura.contact.limits import INTACT_SHARE
 from fissura.errors import InputError
@@ -20,7 +20,6 @@ from fissura.material import Material
 
 __all__ = ["CusatisCedolin", "lowest_strength", "transition_angle"]
 
-FloatArray = NDArray[np.float64]
 
 _HALF_PI = 0.5 * np.pi
 

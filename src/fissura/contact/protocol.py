@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar, Protocol, Self
 
-import numpy as np
-from numpy.typing import NDArray
+from fissura.arrays import FloatArray
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -14,8 +13,6 @@ if TYPE_CHECKING:
     from fissura.material import Material
 
 __all__ = ["AppliedLaw", "ContactLaw"]
-
-FloatArray = NDArray[np.float64]
 
 
 class AppliedLaw(Protocol):

@@ -6,15 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.contact.protocol import AppliedLaw, ContactLaw
 from fissura.material import Material, Materials
 
 __all__ = ["LawOfMaterials"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _NONE = np.empty(0)
 

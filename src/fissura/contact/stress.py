@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 from fissura.tessellation import Tessellation
 
 __all__ = ["body_stress"]
-
-FloatArray = NDArray[np.float64]
 
 
 @njit()
@@ -30,7 +28,7 @@ def body_stress(
     tessellation: Tessellation,
     frame: FloatArray,
     traction: FloatArray,
-    point_body: NDArray[np.int64] | None = None,
+    point_body: IntArray | None = None,
     point: FloatArray | None = None,
     point_force: FloatArray | None = None,
 ) -> FloatArray:

@@ -8,9 +8,9 @@ the fluctuation, and equilibrium of the bodies determines the fluctuation.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from fissura.arrays import FloatArray
 from fissura.contact import contact_strains, kinematics_of, nodal_forces
 from fissura.elasticity.stiffness import unit_strains
 from fissura.linear.assembly import pattern
@@ -18,8 +18,6 @@ from fissura.linear.symmetric import SymmetricSolver
 from fissura.tessellation.periodic import PeriodicCell
 
 __all__ = ["Homogenisation"]
-
-FloatArray = NDArray[np.float64]
 
 
 class Homogenisation:

@@ -12,8 +12,8 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.case import Patch, case_from_dict
 from fissura.contact import law_from_case
 from fissura.elasticity import limits
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from fissura.tessellation import Tessellation
 
 __all__ = ["Prism", "PrismConstants", "prism_case"]
-
-FloatArray = NDArray[np.float64]
 
 
 #: Constants that only have to be possible, since only the elastic equations are used: no contact is too long for them.

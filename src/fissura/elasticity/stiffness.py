@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fissura.arrays import FloatArray
 
 __all__ = ["PAIRS", "Isotropic", "anisotropy", "isotropic_part", "unit_strains"]
 
-FloatArray = NDArray[np.float64]
 
 #: Axes of the six components in the order of Voigt: xx, yy, zz, yz, xz, xy.
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.elasticity import limits
 from fissura.elasticity.homogenise import Homogenisation
 from fissura.elasticity.specimen import Prism
@@ -17,7 +17,6 @@ from fissura.tessellation.periodic import PeriodicCell
 
 __all__ = ["KINDS", "LayerFit", "Row", "Study", "structure_seeds", "study"]
 
-FloatArray = NDArray[np.float64]
 
 #: What is measured: periodic cells; prisms by gauges on their sides; prisms from end to end.
 KINDS = ("periodic", "gauge", "ends")

@@ -6,17 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.equilibrium.attach import attach_rows, owners_of
 from fissura.specimen import Conditions, Functional
 from fissura.tessellation import Tessellation
 
 __all__ = ["Acting"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

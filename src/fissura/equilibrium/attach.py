@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.specimen import Functional
 from fissura.tessellation import Bodies, Tessellation, owners
 
 __all__ = ["attach", "attach_rows", "owners_of"]
 
-FloatArray = NDArray[np.float64]
 
-
-def owners_of(functionals: Sequence[Functional], bodies: Bodies) -> NDArray[np.int64]:
+def owners_of(functionals: Sequence[Functional], bodies: Bodies) -> IntArray:
     """Bodies that own the points of several functionals, one after the other; platens come after all bodies."""
     points = np.concatenate([f.points for f in functionals])
     found = owners(bodies, points, np.concatenate([f.cells for f in functionals]))
@@ -39,7 +37,7 @@ def attach(functional: Functional, tessellation: Tessellation) -> FloatArray:
     return np.asarray(row.toarray().reshape(-1, 6), dtype=np.float64)
 
 
-def attach_rows(functionals: Sequence[Functional], bodies: Bodies, body: NDArray[np.int64]) -> csr_array:
+def attach_rows(functionals: Sequence[Functional], bodies: Bodies, body: IntArray) -> csr_array:
     """Coefficients of several functionals, given the owners of all of their points one after the other.
 
     Returns

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.equilibrium import limits
 from fissura.linear.krylov import dot
 
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from fissura.equilibrium.system import System
 
 __all__ = ["Constraint", "dissipating", "holding", "prescribed"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

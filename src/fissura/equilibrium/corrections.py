@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.equilibrium import limits
 from fissura.equilibrium.constraint import Constraint
 from fissura.equilibrium.response import Response
@@ -17,8 +17,6 @@ from fissura.linear.krylov import dot, norm
 from fissura.linear.protocol import SingularMatrixError
 
 __all__ = ["StepEquations", "Trial"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+from fissura.arrays import FloatArray
 
 if TYPE_CHECKING:
     from fissura.equilibrium.settled import Equilibrium
@@ -41,7 +40,7 @@ class Leg:
 
     index: int
     quantity: str
-    kept: NDArray[np.float64]
+    kept: FloatArray
     begin: float
     end: float
     load: float

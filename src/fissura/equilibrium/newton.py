@@ -12,8 +12,8 @@ import logging
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.equilibrium import limits
 from fissura.equilibrium.constraint import Constraint, holding
 from fissura.equilibrium.corrections import StepEquations, Trial
@@ -26,7 +26,6 @@ from fissura.linear.protocol import SingularMatrixError
 
 __all__ = ["StepSolver"]
 
-FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 

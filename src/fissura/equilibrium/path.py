@@ -179,10 +179,19 @@ class PathFollower:
         return Goal(self._quantity, end, limits.PATIENCE if patient else 1)
 
     def skipped(self, goal: Goal, now: Equilibrium, found: Equilibrium, peak: float) -> bool:
-        """Whether a converged step from one state to another left something out, so that it is not to be accepted.
+        """Whether a converged step left something out, so that it is not to be accepted.
 
         It lost load, and with it a part of the path that energy can follow, or is so long that the peak may lie within
-        it; `failed` shortens it then. `peak` is the largest load so far [N].
+        it; `failed` shortens it then.
+
+        Parameters
+        ----------
+        goal : Goal
+            Its goal.
+        now, found : Equilibrium
+            Where it began and ended.
+        peak : float
+            Largest load so far [N].
         """
         if goal.in_energy or self.memory.jumping:
             return False
@@ -195,7 +204,15 @@ class PathFollower:
         return leapt or (self._may_switch and leg.forward(now.load - found.load) > limits.JUMP * peak)
 
     def succeeded(self, goal: Goal, now: Equilibrium, found: Equilibrium, dissipated: float) -> None:
-        """Take note of an accepted step from one state to another, and of the energy dissipated [J]."""
+        """Take note of an accepted step.
+
+        Parameters
+        ----------
+        goal, now, found
+            As of :meth:`skipped`.
+        dissipated : float
+            Energy dissipated [J].
+        """
         leg, value, iterations = self._leg, found.value, found.iterations
         growth, top = leg.progress(value) - leg.progress(now.value), max(self.memory.top, abs(found.load))
         self._remember(failures=0, jumping=False, dissipated=dissipated, top=top)

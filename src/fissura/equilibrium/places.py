@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.equilibrium import limits
 from fissura.equilibrium.attach import attach_rows, owners_of
 from fissura.errors import InputError
@@ -12,8 +12,6 @@ from fissura.specimen import Conditions
 from fissura.tessellation import Bodies
 
 __all__ = ["check_places"]
-
-FloatArray = NDArray[np.float64]
 
 
 def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: bool) -> None:

@@ -10,17 +10,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.equilibrium import limits
 from fissura.errors import InputError
 from fissura.specimen import Platen
 from fissura.tessellation import Contacts, Tessellation, footprint
 
 __all__ = ["WithPlatens", "with_platens"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

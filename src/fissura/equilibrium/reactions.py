@@ -7,16 +7,14 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fissura.arrays import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from fissura.equilibrium.response import Response
     from fissura.equilibrium.system import System
 
 __all__ = ["Reactions", "carrying", "reactions"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

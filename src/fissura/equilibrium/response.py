@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.linear.krylov import dot
 
 if TYPE_CHECKING:
     from fissura.equilibrium.system import System
 
 __all__ = ["Response", "dissipation"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

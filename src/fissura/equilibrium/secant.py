@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.contact import AppliedLaw, Kinematics
 from fissura.equilibrium.memory import SecantMemory
 from fissura.equilibrium.response import Response
 from fissura.linear.symmetric import SymmetricSolver
 
 __all__ = ["PreparedSecant", "secant_moduli"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def secant_moduli(moduli: FloatArray, active: IntArray, intact: FloatArray) -> FloatArray:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.equilibrium import limits
 from fissura.equilibrium.response import Response
 from fissura.equilibrium.system import System
@@ -14,8 +14,6 @@ from fissura.linear.krylov import dot
 from fissura.linear.protocol import SingularMatrixError
 
 __all__ = ["Equilibrium", "UnmovedGaugeError", "reach_of", "settle"]
-
-FloatArray = NDArray[np.float64]
 
 
 class UnmovedGaugeError(SingularMatrixError):

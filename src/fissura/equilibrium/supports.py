@@ -6,18 +6,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.equilibrium import limits
 from fissura.equilibrium.platens import WithPlatens
 from fissura.linear.low_rank import LowRank
 from fissura.tessellation import Tessellation
 
 __all__ = ["Supports", "spin_stiffness"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.contact import (
     AppliedLaw,
     ContactLaw,
@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 
 __all__ = ["System"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _NOWHERE = Regions()
 

@@ -8,8 +8,8 @@ Newton iterations and steps.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.contact import add_stiffness
 from fissura.equilibrium import limits
 from fissura.equilibrium.constraint import Constraint
@@ -21,8 +21,6 @@ from fissura.linear.krylov import dot, gmres, norm
 from fissura.linear.protocol import SingularMatrixError
 
 __all__ = ["TangentSolver"]
-
-FloatArray = NDArray[np.float64]
 
 
 class TangentSolver:

@@ -8,9 +8,9 @@ would double or triple the iterations. Conjugate gradients see the matrix as it 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import bsr_matrix
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.linear import limits
 from fissura.linear.assembly import Pattern
@@ -23,8 +23,6 @@ except ImportError:
     pyamg = None
 
 __all__ = ["SmoothedAggregation", "rigid_motions"]
-
-FloatArray = NDArray[np.float64]
 
 
 def rigid_motions(x: FloatArray) -> FloatArray:

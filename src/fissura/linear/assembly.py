@@ -9,14 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.contact import Kinematics
 from fissura.kernels import INNER, njit
 from fissura.linear.low_rank import LowRank
 
 __all__ = ["Pattern", "add_spin", "assemble", "assemble_secant", "pattern"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.linear import limits
 from fissura.linear.blocks import LowerBlocks
@@ -13,9 +14,6 @@ from fissura.linear.products import prefetch, times, transposed_times
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["IncompleteCholesky"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @njit(**INNER, fastmath=FAST)

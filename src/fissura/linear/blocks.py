@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import njit
 from fissura.linear.assembly import Pattern
 from fissura.linear.limits import AHEAD, FAST
@@ -26,9 +27,6 @@ __all__ = [
     "multiply",
     "term_sizes",
 ]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -104,7 +102,7 @@ class LowerBlocks:
         return out
 
 
-def held_bodies(form: Pattern, *, wide: bool = True) -> NDArray[np.bool_]:
+def held_bodies(form: Pattern, *, wide: bool = True) -> BoolArray:
     """Bodies held by supports, those with entries in the pattern and the wide ones; shape (n,)."""
     held = np.zeros(len(form.start), dtype=bool)
     strong = form.fixed[form.fixed_values != 0.0]
@@ -138,7 +136,7 @@ def _graph(start, neighbours, last, indptr, indices):  # type: ignore[no-untyped
     return k
 
 
-def bandwidth_order(form: Pattern, last: NDArray[np.bool_]) -> IntArray:
+def bandwidth_order(form: Pattern, last: BoolArray) -> IntArray:
     """Bodies by reverse Cuthill-McKee, some of them at the end; shape (n,).
 
     Parameters

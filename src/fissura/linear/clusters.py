@@ -9,15 +9,13 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.linear import limits
 from fissura.linear.blocks import LowerBlocks
 
 __all__ = ["bisected", "body_weights", "connected", "intact", "link_stiffness"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 AnyIntArray = NDArray[np.integer[Any]]
 
 

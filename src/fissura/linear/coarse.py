@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 from fissura.linear.blocks import LowerBlocks
 from fissura.linear.low_rank import LowRank
@@ -13,9 +13,6 @@ from fissura.linear.motions import prolong, restrict, restrict_product
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["CoarseSpace"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @njit(inline="always")

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, triu
 from scipy.sparse.linalg import splu
+
+from fissura.arrays import FloatArray
 
 try:  # its wheels exist for x86 only
     import pymklpardiso
@@ -15,8 +16,6 @@ except ImportError:
     pymklpardiso = None
 
 __all__ = ["CoarseSolver"]
-
-FloatArray = NDArray[np.float64]
 
 
 class CoarseSolver:

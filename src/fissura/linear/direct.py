@@ -6,10 +6,10 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
+from fissura.arrays import FloatArray
 from fissura.kernels import njit
 from fissura.linear import limits
 from fissura.linear.assembly import Pattern
@@ -22,8 +22,6 @@ except ImportError:
     pymklpardiso = None
 
 __all__ = ["SOLVERS", "MklPardiso", "SuperLU", "best_solver"]
-
-FloatArray = NDArray[np.float64]
 
 
 class _Direct(ABC):

@@ -8,16 +8,14 @@ the number of bodies alone, never on that of threads, so results are the same wh
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, IntArray
 from fissura.kernels import njit
 from fissura.linear import limits
 from fissura.linear.assembly import Pattern
 from fissura.linear.blocks import bandwidth_order
 
 __all__ = ["dissected_order"]
-
-IntArray = NDArray[np.int64]
 
 
 @njit()
@@ -36,7 +34,7 @@ def domain_count(bodies: int) -> int:
     return 4 if bodies >= limits.FOUR_DOMAINS else 2 if bodies >= limits.TWO_DOMAINS else 1
 
 
-def dissected_order(form: Pattern, last: NDArray[np.bool_], domains: int | None = None) -> tuple[IntArray, IntArray]:
+def dissected_order(form: Pattern, last: BoolArray, domains: int | None = None) -> tuple[IntArray, IntArray]:
     """Bodies by reverse Cuthill-McKee within each domain, what lies between domains after all of them.
 
     Parameters

@@ -9,16 +9,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.kernels import njit
 from fissura.linear import limits
 from fissura.linear.limits import ANY_ORDER
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["Minimized", "dot", "gmres", "norm"]
-
-FloatArray = NDArray[np.float64]
 
 
 @njit(nogil=True, fastmath=ANY_ORDER)

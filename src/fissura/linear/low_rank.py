@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 
 __all__ = ["LowRank"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 # Compiled, since threads of numpy's library would cost more than they save.

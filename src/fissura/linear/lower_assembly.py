@@ -6,8 +6,8 @@ These would take as much memory again as all else that an iterative solution nee
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.contact import Kinematics
 from fissura.kernels import njit
 from fissura.linear.assembly import Pattern
@@ -15,9 +15,6 @@ from fissura.linear.blocks import LowerBlocks, constant_part, held_bodies
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["assemble_lower"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @njit(inline="always")

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from fissura.arrays import FloatArray
 
 __all__ = ["LinearSolver", "SingularMatrixError"]
-
-FloatArray = NDArray[np.float64]
 
 
 class SingularMatrixError(Exception):

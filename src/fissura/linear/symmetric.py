@@ -5,9 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from fissura.arrays import FloatArray
 from fissura.case.registry import SOLVERS
 from fissura.contact import Kinematics
 from fissura.linear import limits
@@ -19,7 +17,6 @@ from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["SymmetricSolver", "aggregation", "direct"]
 
-FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.contact import Kinematics
 from fissura.linear import limits
 from fissura.linear.assembly import Pattern
@@ -36,9 +36,6 @@ from fissura.linear.vectors import advance, dot, turn
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
 __all__ = ["TwoLevel"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class TwoLevel:

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve, qr
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.linear.assembly import Pattern
 
 __all__ = ["WideCorrection"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Solve = Callable[[FloatArray], FloatArray]
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray
 from fissura.errors import InputError
 from fissura.specimen import domain_from_case
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Regions", "check_not_everywhere", "elastic_from_case"]
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 _KEY = "material.elastic"
 

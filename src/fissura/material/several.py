@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.material.parameters import Material, material_from_part
 from fissura.material.regions import Regions, check_overlap
 
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
 
 __all__ = ["Materials", "joined", "materials_from_case"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def joined(a: Material, b: Material) -> Material:

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.equilibrium import dissipation, reactions
 from fissura.simulation.state import Before, Effort, State
 from fissura.simulation.step import Snapshot, Step
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from fissura.simulation.model import Model
 
 __all__ = ["Found", "accepted", "snapshot_of"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fissura.adaptivity import transfer_history
+from fissura.arrays import BoolArray
 from fissura.equilibrium import Equilibrium, System, settle
 from fissura.errors import InputError, Notice, RunStopped
 from fissura.linear import SingularMatrixError
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 __all__ = ["advance"]
 
-BoolArray = NDArray[np.bool_]
 _log = logging.getLogger(__name__)
 
 

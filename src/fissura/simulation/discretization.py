@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fissura.adaptivity import (
     Coarsening,
@@ -18,6 +17,7 @@ from fissura.adaptivity import (
     needed_bodies,
     region_from_case,
 )
+from fissura.arrays import FloatArray
 from fissura.case.registry import CRITERIA
 from fissura.equilibrium import Response, System, check_places
 from fissura.errors import InputError
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from fissura.specimen import Drive
 
 __all__ = ["Discretization"]
-
-FloatArray = NDArray[np.float64]
 
 
 def _count(bodies: int) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.equilibrium import Equilibrium, Goal, System, settle
 from fissura.linear import SingularMatrixError
 from fissura.simulation import limits
@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from fissura.simulation.state import State
 
 __all__ = ["guessed"]
-
-FloatArray = NDArray[np.float64]
 
 
 def guessed(system: System, state: State, goal: Goal) -> tuple[FloatArray, float]:

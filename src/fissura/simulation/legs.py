@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.case.programme import GRAVITY, StageTarget
 from fissura.case.stages import LoadingStage
 from fissura.equilibrium import Leg, UnmovedGaugeError, reach_of
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from fissura.specimen import Conditions
 
 __all__ = ["Planned", "ahead", "check_drives", "entered", "extended", "planned_legs"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

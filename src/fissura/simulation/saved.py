@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.adaptivity import Coarsening, Layout, RefinedRegion
+from fissura.arrays import FloatArray, IntArray
 from fissura.equilibrium import (
     Equilibrium,
     Leading,
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
     from fissura.simulation.model import Model
 
 __all__ = ["TYPES", "Noted", "Rows", "SavedResponse", "SavedState", "restored"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fissura.adaptivity import Layout
+from fissura.arrays import FloatArray
 from fissura.equilibrium import Equilibrium, Leading, Leg, SolverMemory
 from fissura.errors import Notice
 from fissura.simulation.jumps import Jumps
 
 __all__ = ["Before", "Effort", "Start", "State", "Totals"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.tessellation import Tessellation
 
 if TYPE_CHECKING:
     from fissura.case import Quantity
 
 __all__ = ["Moment", "Snapshot", "Step"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

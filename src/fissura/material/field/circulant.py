@@ -15,17 +15,14 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 from fissura.material.field import limits
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy
 
 __all__ = ["CirculantExpansion", "local_error", "torus"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def _stencil(spacing: FloatArray) -> FloatArray:

@@ -8,16 +8,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import gammaln, kve
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.kernels import njit
 from fissura.material.field import limits
 
 __all__ = ["MODELS", "Covariance", "Model", "covariance_named"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,16 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.material.field import limits
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy, Axes, counts, sample
 
 __all__ = ["DenseExpansion"]
-
-FloatArray = NDArray[np.float64]
 
 
 class DenseExpansion:
@@ -68,7 +66,7 @@ class DenseExpansion:
             float(1.0 - np.square(looks).sum(axis=1).min()),
         )
 
-    def leading(self, count: int) -> NDArray[np.int64]:
+    def leading(self, count: int) -> IntArray:
         """Which of the numbers of a realisation belong to the modes that vary most."""
         return np.arange(count)
 

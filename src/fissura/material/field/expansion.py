@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.errors import InputError
 from fissura.material.field import limits
 from fissura.material.field.circulant import CirculantExpansion, local_error, torus
@@ -19,7 +19,6 @@ from fissura.material.field.separable import SeparableExpansion
 
 __all__ = ["Expansion", "expand"]
 
-FloatArray = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 
@@ -28,7 +27,7 @@ class Expansion(Protocol):
 
     accuracy: Accuracy
 
-    def leading(self, count: int) -> NDArray[np.int64]:
+    def leading(self, count: int) -> IntArray:
         """Which of the numbers of a realisation belong to the modes that vary most."""
         ...
 

@@ -8,8 +8,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.machine.memory import within_memory
 from fissura.material.field import limits
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from fissura.case import Case, Field
 
 __all__ = ["RandomField", "field_from_case"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

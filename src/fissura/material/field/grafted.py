@@ -10,17 +10,16 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import gamma, gammainc, log_ndtr, ndtri_exp
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.material.field import limits
 from fissura.material.field.marginal import hazard
 
 __all__ = ["Grafted"]
 
-FloatArray = NDArray[np.float64]
 
 _ROOT_2_PI = np.sqrt(2.0 * np.pi)
 

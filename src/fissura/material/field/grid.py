@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fissura.arrays import FloatArray
 
 __all__ = ["Accuracy", "Axes", "counts", "sample"]
 
-FloatArray = NDArray[np.float64]
 Axes = tuple[FloatArray, FloatArray, FloatArray]
 
 

@@ -11,16 +11,15 @@ from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import gammaln, log_ndtr, ndtri_exp
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.material.field import limits
 
 __all__ = ["MARGINALS", "Gaussian", "Lognormal", "Marginal", "Weibull", "hazard", "marginal_named"]
 
-FloatArray = NDArray[np.float64]
 
 _ROOT_2_PI = np.sqrt(2.0 * np.pi)
 
