@@ -19,6 +19,7 @@ from scipy.spatial import Voronoi
 from common import Check, Report, cpu_time, main, options, say, table
 from fissura.case.shape import Corner
 from fissura.specimen import Domain, Solid
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.notches import Slot
 from fissura.specimen.shapes.box import box
@@ -94,7 +95,7 @@ def _notched(solid: Solid, at: Any, depth: float, width: float = 0.0) -> Domain:
     """A specimen with a notch upwards from a point of its bottom, across z."""
     slot = Slot(np.asarray(at, float), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]), depth, width)
     notches = cut_notches(solid, [slot])
-    return Domain(*solid.build(), notches=notches)
+    return Domain(*complex_of(solid), notches=notches)
 
 
 def _dog_bone() -> Domain:
@@ -109,12 +110,12 @@ def _dog_bone() -> Domain:
 
 def _outline(points: Any, thickness: float) -> Domain:
     corners = [Corner.model_validate(p if isinstance(p, dict) else {"to": p}) for p in points]
-    return Domain(*extruded(corners, thickness, None, SPACING).build())
+    return Domain(*complex_of(extruded(corners, thickness, None, SPACING)))
 
 
 #: Other shapes, and the most that a body may cost over one of a box.
 SHAPES: dict[str, tuple[Callable[[], Domain], float | None]] = {
-    "box": (lambda: Domain(*box((0.35, 0.1, 0.05)).build()), None),
+    "box": (lambda: Domain(*complex_of(box((0.35, 0.1, 0.05)))), None),
     "notched beam": (lambda: _notched(box((0.35, 0.1, 0.05)), (0.175, 0.0, 0.025), 0.05), 1.5),
     "beam with a saw cut": (lambda: _notched(box((0.35, 0.1, 0.05)), (0.175, 0.0, 0.025), 0.05, 0.004), 1.5),
     "L-panel": (
@@ -122,7 +123,7 @@ SHAPES: dict[str, tuple[Callable[[], Domain], float | None]] = {
         2.0,
     ),
     "dog-bone": (_dog_bone, 2.0),
-    "cylinder": (lambda: Domain(*cylinder(0.15, 0.3, 1, SPACING).build()), 2.0),
+    "cylinder": (lambda: Domain(*complex_of(cylinder(0.15, 0.3, 1, SPACING))), 2.0),
 }
 
 
@@ -148,7 +149,7 @@ def _shapes(seed: int) -> list[dict[str, Any]]:
 
 def _row(seed: int, edge: float) -> dict[str, Any]:
     size = (edge,) * 3
-    domain = Domain(*box(size).build())
+    domain = Domain(*complex_of(box(size)))
     nuclei, placement = cpu_time(lambda: _placed(domain, seed))
     n = len(nuclei)
     say(f"{n} bodies")
@@ -265,7 +266,7 @@ def _from_multivoro(x: Any, size: Any, found: Any) -> _Areas:
 
 def _again(seed: int, edge: float, notched: bool) -> dict[str, Any]:
     solid, middle = box((edge,) * 3), (0.5 * edge, 0.0, 0.5 * edge)
-    domain = _notched(solid, middle, edge / 3.0, 0.004) if notched else Domain(*solid.build())
+    domain = _notched(solid, middle, edge / 3.0, 0.004) if notched else Domain(*complex_of(solid))
     nuclei = _placed(domain, seed)
     n = len(nuclei)
     say(f"{n} bodies again")

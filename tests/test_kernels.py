@@ -226,7 +226,7 @@ def test_every_function_on_the_list_exists_and_its_types_can_be_written(one: Kno
 @pytest.mark.slow
 def test_helpers_compile_what_a_run_needs(tmp_path: Path) -> None:
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-    code = "from fissura.kernels import helpers; helpers._wait_for_the_end = lambda: None; helpers.help_out()"
+    code = "from fissura.kernels import helping; helping._wait_for_the_end = lambda: None; helping.help_out()"
     subprocess.run([sys.executable, "-c", code], env=environment, check=True)
     count = "import sys, fissura; from fissura.kernels.state import process; fissura.run(sys.argv[1])"
     code = f"{count}; print(process().missed)"

@@ -11,6 +11,7 @@ from fissura.equilibrium import Leg, System
 from fissura.linear.assembly import assemble, assemble_secant
 from fissura.material import Material
 from fissura.specimen import Domain, conditions_from_case, domain_from_case
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.shapes.box import box
 from fissura.tessellation import Nuclei, discretize, nuclei_from_case
@@ -55,7 +56,7 @@ def box_domain(size, *slots):
     """A box with notches."""
     solid = box(size)
     notches = cut_notches(solid, slots)
-    return Domain(*solid.build(), notches=notches)
+    return Domain(*complex_of(solid), notches=notches)
 
 
 def block(size, l_f, seed, *, fine_ball=None, l_c=None, notches=()):

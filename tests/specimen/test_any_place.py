@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fissura.errors import InputError
 from fissura.specimen import Domain, Solid
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.sampling import sampled_polygon
 from fissura.specimen.shapes.cylinder import cylinder
 from fissura.specimen.shapes.prism import box_half_spaces
@@ -15,7 +16,7 @@ from fissura.specimen.shapes.prism import box_half_spaces
 from .test_place import BOX, SPACING, check, notched, place
 
 RADIUS, LENGTH = 0.075, 0.06
-DISC = Domain(*cylinder(2 * RADIUS, LENGTH, 2, 5 * SPACING).build())
+DISC = Domain(*complex_of(cylinder(2 * RADIUS, LENGTH, 2, 5 * SPACING)))
 
 
 def second_moment(p):
@@ -122,7 +123,7 @@ def test_places_over_several_cells():
     solid = Solid([0.0] * 3, [0.1, 0.1, 0.04])
     solid.add(box_half_spaces([0, 0, 0], [0.04, 0.06, 0.04]), ["a", "inner", "b", "c", "front", "back"])
     solid.add(box_half_spaces([0, 0.06, 0], [0.1, 0.1, 0.04]), ["a", "d", "under", "top", "front", "back"])
-    domain = Domain(*solid.build())
+    domain = Domain(*complex_of(solid))
     p = place(domain, on="front")
     check(p, domain)
     assert set(p.cells) == {0, 1}

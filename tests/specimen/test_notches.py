@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fissura.errors import InputError
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.domain import Domain
 from fissura.specimen.notches import Slot
@@ -27,7 +28,7 @@ def slot(at, direction, along, depth, width=0.0):
 
 def notched(solid, *slots):
     notches = cut_notches(solid, slots)
-    cx, surfaces = solid.build()
+    cx, surfaces = complex_of(solid)
     check(cx)
     found = Domain(cx, surfaces, notches)
     assert_allclose(volume(cx), found.volume, rtol=1e-12)
@@ -160,7 +161,7 @@ def test_from_a_hole(width):
     """Behind the hole the plane of the notch meets material again: no rule there."""
     solid = box([0.2, 0.2, 0.05])
     solid.minus(prism_half_spaces(ring(0.03, 16, (0.1, 0.1)), -1.0, 1.0), ["hole"] * 18)
-    whole = Domain(*solid.build()).volume
+    whole = Domain(*complex_of(solid)).volume
     mouth = 0.1 + 0.03 * np.cos(np.pi / 16)
     found = notched(solid, slot([mouth, 0.1, 0.0], X, Z, 0.02, width))
     assert_allclose(found.volume, whole - width * 0.02 * 0.05, rtol=1e-12)

@@ -10,6 +10,7 @@ from fissura.case import Notch as NotchPart
 from fissura.case import Patch
 from fissura.errors import InputError
 from fissura.specimen import Domain, place_from_part
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.samples import SAMPLES
 from fissura.specimen.shapes.box import box
@@ -18,7 +19,7 @@ from fissura.specimen.slots import slot_from_part
 
 SIZE = (0.12, 0.06, 0.04)
 SPACING = 0.0016
-BOX = Domain(*box(SIZE).build())
+BOX = Domain(*complex_of(box(SIZE)))
 
 
 def place(domain=BOX, spacing=SPACING, **values):
@@ -29,7 +30,7 @@ def notched(**values):
     part = NotchPart.model_validate({"position": 0.06, "depth": 0.03} | values)
     solid = box(SIZE)
     notches = cut_notches(solid, [slot_from_part(part, BOX, 5 * SPACING, "notch")])
-    return Domain(*solid.build(), notches)
+    return Domain(*complex_of(solid), notches)
 
 
 def check(p, domain=BOX):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.domain import Domain
 from fissura.specimen.planes import Planes
 from fissura.specimen.shapes.box import box
@@ -30,7 +31,7 @@ def ring_area(radius, count):
 
 
 def domain(solid):
-    cx, surfaces = solid.build()
+    cx, surfaces = complex_of(solid)
     check(cx)
     found = Domain(cx, surfaces)
     assert_allclose(volume(cx), found.volume, rtol=1e-12)

@@ -13,6 +13,7 @@ from scipy.spatial import Delaunay
 from fissura.adaptivity import RefinedRegion
 from fissura.case.shape import Corner
 from fissura.specimen import Domain, Solid
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.notches import Slot
 from fissura.specimen.shapes.box import box
@@ -68,7 +69,7 @@ def slot_of(size: tuple[float, float, float], position: float, depth: float, **p
 
 def notched(solid: Solid, *slots: Slot) -> Domain:
     notches = cut_notches(solid, slots) if slots else ()
-    return Domain(*solid.build(), notches=notches)
+    return Domain(*complex_of(solid), notches=notches)
 
 
 def box_with(*notches: dict[str, Any], size: tuple[float, float, float] = SIZE) -> Domain:
@@ -149,7 +150,7 @@ def _blocks() -> Domain:
         for order in permutations(range(3)):
             steps = np.cumsum([np.zeros(3, int), *(np.eye(3, dtype=int)[a] for a in order)], axis=0) + corner
             tets.append(steps @ [(n + 1) ** 2, n + 1, 1])
-    return Domain(*solid_of_tetrahedra(points * SIZE, np.array(tets)).build())
+    return Domain(*complex_of(solid_of_tetrahedra(points * SIZE, np.array(tets))))
 
 
 def _ball() -> Domain:
@@ -158,7 +159,7 @@ def _ball() -> Domain:
     skin = rng.normal(size=(80, 3))
     points = np.concatenate([skin / np.linalg.norm(skin, axis=1)[:, None], 0.4 * rng.normal(size=(40, 3))]) * 0.04
     points = points[np.linalg.norm(points, axis=1) <= 0.04 * (1.0 + 1e-12)]
-    return Domain(*solid_of_tetrahedra(points, Delaunay(points).simplices).build())
+    return Domain(*complex_of(solid_of_tetrahedra(points, Delaunay(points).simplices)))
 
 
 #: Specimens of all kinds.

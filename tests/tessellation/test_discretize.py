@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from fissura.errors import InputError
 from fissura.specimen import Domain
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.box import box
 from fissura.tessellation import discretize, owners, tessellate
 
@@ -235,7 +236,7 @@ def test_convex_cells_do_not_matter():
     for normal, offset in (((1, 0, 0), 0.05), ((0.3, 1, 0), 0.04), ((1, -1, 2), 0.03)):
         face = solid.planes.find(np.array(normal, float), offset)
         solid.split(face)
-    domain = Domain(*solid.build())
+    domain = Domain(*complex_of(solid))
     assert len(domain.complex.low) > 6
     nuclei = nuclei_in(domain, 6)
     spacing = np.full(len(nuclei), L_F)

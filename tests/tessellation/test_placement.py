@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import cKDTree
 
 from fissura.specimen import Domain
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.box import box
 from fissura.tessellation import discretize, place
 
@@ -73,7 +74,7 @@ def test_convex_cells_do_not_change_the_nuclei():
     solid = box(SIZE)
     for normal, offset in (((1, 0, 0), 0.05), ((0.3, 1, 0), 0.04)):
         solid.split(solid.planes.find(np.array(normal, float), offset))
-    cut, _ = solid.build()
+    cut, _ = complex_of(solid)
     x, home = place(cut, L_F, np.random.default_rng(3))
     assert_array_equal(x, nuclei_in(shape("none"), 3).x)
     assert len(np.unique(home)) == len(cut.low)

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fissura.specimen import Domain, Solid
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.box import box
 from fissura.tessellation import Nuclei, Tessellation, clipped, discretize, tessellate
 
@@ -54,10 +55,10 @@ def split_box() -> Domain:
     solid: Solid = box(UNIT)
     for normal, offset in (((1, 0, 0), 0.5), ((0, 1, 0), 0.4), ((1, 1, 1), 1.2)):
         solid.split(solid.planes.find(np.array(normal, float), offset))
-    return Domain(*solid.build())
+    return Domain(*complex_of(solid))
 
 
-BOXES = {"whole": Domain(*box(UNIT).build()), "split": split_box()}
+BOXES = {"whole": Domain(*complex_of(box(UNIT))), "split": split_box()}
 
 
 @given(st.sampled_from(list(BOXES)), st.sampled_from(list(IRREGULAR)), st.integers(0, 2**32 - 1), st.floats(0.0, 0.3))

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import Voronoi
 
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.box import box
 from fissura.tessellation.measures import volume_of
 from fissura.tessellation.polygon import areas_and_centroids
@@ -18,7 +19,7 @@ from .build import SHAPES, shape
 
 SIZE = (1.0, 0.8, 0.6)
 EXTENT = np.array(SIZE)
-BOX, SURFACES = box(SIZE).build()
+BOX, SURFACES = complex_of(box(SIZE))
 
 
 def guess(x) -> np.ndarray:

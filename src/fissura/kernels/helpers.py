@@ -7,16 +7,15 @@ import contextlib
 import os
 import subprocess
 import sys
-import threading
 
 from fissura.kernels import limits
 from fissura.kernels.place import PACKAGE
 from fissura.machine.threads import usable_processors
 
-__all__ = ["Helpers", "help_out"]
+__all__ = ["Helpers"]
 
 
-_CODE = "import sys; sys.path.insert(0, sys.argv[1]); from fissura.kernels.helpers import help_out; help_out()"
+_CODE = "import sys; sys.path.insert(0, sys.argv[1]); from fissura.kernels.helping import help_out; help_out()"
 
 
 class Helpers:
@@ -56,23 +55,3 @@ def _started() -> subprocess.Popen[bytes]:
         start_new_session=os.name == "posix",
         creationflags=hidden,
     )
-
-
-def help_out() -> None:
-    """Compile what every run needs and no other process has begun, longest first."""
-    from fissura.kernels.known import dispatcher, known, signature
-    from fissura.kernels.state import process
-
-    process().say = False
-    threading.Thread(target=_wait_for_the_end, daemon=True).start()
-    for one in known():
-        with contextlib.suppress(Exception):  # an old list, say: then it is compiled when it is called
-            function, kinds = dispatcher(one), signature(one)
-            if not function._cache.is_there(kinds, function.targetctx):
-                function.compile(kinds)
-
-
-def _wait_for_the_end() -> None:
-    with contextlib.suppress(OSError):
-        sys.stdin.buffer.read()
-    os._exit(0)

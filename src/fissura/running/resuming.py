@@ -11,7 +11,7 @@ from fissura.results.curve import COLUMN_OF, peak_position
 from fissura.results.done import Done
 from fissura.results.provenance import versions
 from fissura.running.checkpoint import Checkpoint
-from fissura.simulation.legs import extended
+from fissura.simulation.entering import extended
 from fissura.simulation.saved import restored
 from fissura.simulation.step import Moment
 

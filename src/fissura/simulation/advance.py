@@ -15,9 +15,10 @@ from fissura.equilibrium import Equilibrium, System, settle
 from fissura.errors import InputError, Notice, RunStopped
 from fissura.linear import SingularMatrixError
 from fissura.simulation import limits
-from fissura.simulation.accepted import Found, accepted
+from fissura.simulation.accepted import accepted
+from fissura.simulation.entering import entered
+from fissura.simulation.found import Found
 from fissura.simulation.guess import guessed
-from fissura.simulation.legs import entered
 from fissura.simulation.state import State
 from fissura.simulation.stopping import FAILURES, reason, stopping
 

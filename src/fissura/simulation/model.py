@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fissura.equilibrium import Leg, PathFollower, StepSolver, System
-from fissura.simulation.accepted import Found, snapshot_of
 from fissura.simulation.discretization import Discretization
+from fissura.simulation.found import Found, snapshot_of
 from fissura.simulation.legs import ahead, planned_legs
 
 if TYPE_CHECKING:
@@ -56,11 +56,6 @@ class Model:
         """The stage that a state belongs to."""
         return self.legs[0 if state.leg is None else state.leg.index].stage
 
-    def longest_way(self, number: int) -> float:
-        """The farthest target of a stage [m or N], 0 where all are shares of a load; the weight is stage 0."""
-        values = [leg.target.value for leg in self.legs if leg.number == number and not leg.target.of]
-        return max((abs(value) for value in values), default=0.0)
-
     def follower(self, state: State, limit: float = math.inf, *, memory: Leading | None = None) -> PathFollower:
         """What chooses the next step of a state's leg.
 
@@ -91,7 +86,7 @@ class Model:
     def ahead(self, state: State) -> Leg | None:
         """The next leg, where that of a state has ended; None where there is none."""
         self._make(state)
-        return ahead(self, state)
+        return ahead(self.legs, self.system, state)
 
     def done(self, state: State) -> float:
         """Share of the programme that is done, every leg for as much as the others."""

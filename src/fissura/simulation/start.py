@@ -11,7 +11,7 @@ from fissura.equilibrium import Equilibrium, System, UnmovedGaugeError, settle
 from fissura.errors import InputError, Notice
 from fissura.linear import SingularMatrixError
 from fissura.simulation import limits
-from fissura.simulation.legs import check_drives
+from fissura.simulation.entering import check_drives
 from fissura.simulation.model import Model
 from fissura.simulation.state import Start, State, Totals
 from fissura.specimen import backward_gauge

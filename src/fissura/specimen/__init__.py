@@ -10,7 +10,7 @@ from fissura.specimen.conditions import (
     conditions_from_case,
     load_direction,
 )
-from fissura.specimen.domain import Domain, SurfacePart
+from fissura.specimen.domain import Domain
 from fissura.specimen.edges import edge_notices
 from fissura.specimen.functional import Functional, mean_displacement
 from fissura.specimen.gauge import backward_gauge, gauge_notices
@@ -18,6 +18,7 @@ from fissura.specimen.gauge_kinds import Places, gauge_from_part
 from fissura.specimen.notches import Notch
 from fissura.specimen.place import Place, place_from_part
 from fissura.specimen.solid import Solid
+from fissura.specimen.surface_part import SurfacePart
 from fissura.specimen.thin import thin_notices, thin_parts
 
 __all__ = [

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +13,7 @@ from scipy.spatial import cKDTree
 from fissura.specimen.complex import Complex
 from fissura.specimen.planar import Flat, Lines, Piece
 from fissura.specimen.planes import Face
-
-if TYPE_CHECKING:
-    from fissura.specimen.solid import Solid
+from fissura.specimen.solid import Solid
 
 __all__ = ["UNNAMED", "Part", "complex_of", "parts_of"]
 

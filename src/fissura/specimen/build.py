@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from fissura.case.registry import SHAPES
 from fissura.errors import InputError, Notice
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.convex import Degenerate
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.domain import Domain
@@ -101,7 +102,7 @@ def _built(
     for k, void in enumerate(minus):
         stage.append(f"minus[{k}]" if many else "minus")
         subtract(solid, void, l_f, stage[-1])
-    plain = Domain(*solid.build(), notices=notices)
+    plain = Domain(*complex_of(solid), notices=notices)
     _check_whole(plain, "minus" if minus else stage[0])
     if not notch:
         return plain
@@ -110,7 +111,7 @@ def _built(
     stage.append(keys[0])
     slots = [slot_from_part(one, plain, l_f, key) for one, key in zip(notch, keys, strict=True)]
     notches = cut_notches(solid, slots)
-    domain = Domain(*solid.build(), notches=notches, notices=notices)
+    domain = Domain(*complex_of(solid), notches=notches, notices=notices)
     _check_whole(domain, keys[-1])
     return domain
 

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
     from fissura.case import Case, Load, LoadingStage
     from fissura.case.platen import Platen as PlatenPart
-    from fissura.specimen.domain import Domain, SurfacePart
+    from fissura.specimen.domain import Domain
+    from fissura.specimen.surface_part import SurfacePart
 
 __all__ = [
     "Conditions",

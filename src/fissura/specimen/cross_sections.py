@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.planes import SAME
-
-if TYPE_CHECKING:
-    from fissura.specimen.domain import SurfacePart
+from fissura.specimen.surface_part import SurfacePart
 
 __all__ = ["outline_of", "smallest_section_of"]
 

@@ -15,35 +15,12 @@ from fissura.specimen.cross_sections import outline_of, smallest_section_of
 from fissura.specimen.locate import Locator
 from fissura.specimen.notches import Notch
 from fissura.specimen.planes import SAME, unit
+from fissura.specimen.surface_part import SurfacePart
 
-__all__ = ["Domain", "SurfacePart"]
+__all__ = ["Domain"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class SurfacePart:
-    """A flat convex part of the surface.
-
-    Attributes
-    ----------
-    polygon : (k, 3) array
-        Corners, counterclockwise from outside [m].
-    normal : (3,) array
-        Outward unit normal.
-    cell : int
-        The convex cell behind it.
-    """
-
-    polygon: FloatArray
-    normal: FloatArray
-    cell: int
-
-    @property
-    def area(self) -> float:
-        """Area [m^2]."""
-        return float(area_vector(self.polygon) @ self.normal)
 
 
 @dataclass(frozen=True, eq=False)

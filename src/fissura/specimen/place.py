@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.specimen.domain import Domain, SurfacePart
+from fissura.specimen.domain import Domain
 from fissura.specimen.notches import SURFACE, Notch
 from fissura.specimen.planes import unit
 from fissura.specimen.samples import (
@@ -25,6 +25,7 @@ from fissura.specimen.samples import (
     strip_facing,
 )
 from fissura.specimen.surface import ON_SURFACE, distances, surface_parts
+from fissura.specimen.surface_part import SurfacePart
 
 if TYPE_CHECKING:
     from fissura.case import Patch as PatchPart

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.specimen.convex import clipped_by
-from fissura.specimen.domain import Domain, SurfacePart
+from fissura.specimen.domain import Domain
 from fissura.specimen.planes import unit
 from fissura.specimen.sampling import sampled_interval, sampled_polygon
 from fissura.specimen.shapes.prism import AXES, box_half_spaces
 from fissura.specimen.surface import ON_SURFACE, as_text, distances, is_curved, slack_of
+from fissura.specimen.surface_part import SurfacePart
 from fissura.specimen.traces import Trace, traces_at
 
 if TYPE_CHECKING:

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.specimen.domain import Domain, SurfacePart
+from fissura.specimen.domain import Domain
 from fissura.specimen.notches import Slot
 from fissura.specimen.shapes.prism import AXES
 from fissura.specimen.surface import ON_SURFACE, as_text, distances, is_curved, mean_normal, slack_of, surface_parts
+from fissura.specimen.surface_part import SurfacePart
 from fissura.specimen.traces import traces_at
 
 if TYPE_CHECKING:

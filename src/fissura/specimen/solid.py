@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fissura.specimen.convex import Convex, Degenerate
 from fissura.specimen.planes import Face, Planes, opposite
-
-if TYPE_CHECKING:
-    from fissura.specimen.complex import Complex
 
 __all__ = ["Cell", "Solid"]
 
@@ -201,12 +197,6 @@ class Solid:
     def number(self) -> None:
         """Number the cells, so that later parts know which of today's they come from."""
         self.cells = [replace(cell, origin=k) for k, cell in enumerate(self.cells)]
-
-    def build(self) -> tuple[Complex, tuple[str, ...]]:
-        """The complex, and the names of its surfaces in the order of their numbers."""
-        from fissura.specimen.assemble import complex_of
-
-        return complex_of(self)
 
     def _declare(self, name: str) -> None:
         if name not in self.surfaces:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.specimen.domain import Domain, SurfacePart
+from fissura.specimen.domain import Domain
+from fissura.specimen.surface_part import SurfacePart
 
 __all__ = ["ON_SURFACE", "as_text", "distances", "is_curved", "mean_normal", "slack_of", "surface_parts"]
 

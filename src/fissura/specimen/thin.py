@@ -22,7 +22,8 @@ from fissura.specimen.surface import ON_SURFACE, distances
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.specimen.domain import Domain, SurfacePart
+    from fissura.specimen.domain import Domain
+    from fissura.specimen.surface_part import SurfacePart
 
 __all__ = ["FACING", "LEAST", "USUAL", "Thickness", "thin_notices", "thin_parts"]
 

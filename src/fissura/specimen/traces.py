@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fissura.specimen.domain import SurfacePart
+from fissura.specimen.surface_part import SurfacePart
 
 __all__ = ["Trace", "traces_at"]
 

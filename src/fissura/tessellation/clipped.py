@@ -12,7 +12,7 @@ from fissura.kernels import njit
 from fissura.specimen.complex import Complex
 from fissura.tessellation.bodies import clip_bodies
 from fissura.tessellation.grid import Grid, grid_of
-from fissura.tessellation.measures import polygon_measures
+from fissura.tessellation.polygon import areas_and_centroids
 from fissura.tessellation.ragged import Ragged
 
 __all__ = ["Clipped", "Facets", "Setting", "clipped", "plane_keys"]
@@ -215,7 +215,8 @@ def _arranged(order, count, facets, inner):  # type: ignore[no-untyped-def]
 def _sorted_by_body(order: IntArray, count: IntArray, facets: IntArray, polygons: Ragged, inner: bool) -> Facets:
     chosen, body = _arranged(order, count, facets, inner)
     taken = polygons.take(chosen)
-    area, centroid = polygon_measures(taken)
+    vector, centroid = areas_and_centroids(taken.points, taken.offsets)
+    area = np.sqrt(np.einsum("qa,qa->q", vector, vector))
     return Facets(body, facets[chosen, 0], facets[chosen, 1], taken, area, centroid)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.kernels import njit
-from fissura.specimen.domain import SurfacePart
+from fissura.specimen.surface_part import SurfacePart
 from fissura.tessellation.polygon import areas_and_centroids, clip
 from fissura.tessellation.structure import SurfaceFacets
 

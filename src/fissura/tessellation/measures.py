@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,22 +10,13 @@ from numpy.typing import NDArray
 from fissura.kernels import njit
 from fissura.specimen.complex import Complex
 from fissura.specimen.polyhedron import following
-from fissura.tessellation.polygon import areas_and_centroids
+from fissura.tessellation.clipped import Facets
 from fissura.tessellation.ragged import Ragged
 
-if TYPE_CHECKING:
-    from fissura.tessellation.clipped import Facets
-
-__all__ = ["Joined", "joined", "lines", "polygon_measures", "volume_of", "volumes"]
+__all__ = ["Joined", "joined", "lines", "volume_of", "volumes"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-
-def polygon_measures(polygons: Ragged) -> tuple[FloatArray, FloatArray]:
-    """Areas (q,) and centroids (q, 3) of polygons."""
-    vector, centroid = areas_and_centroids(polygons.points, polygons.offsets)
-    return np.sqrt(np.einsum("qa,qa->q", vector, vector)), centroid
 
 
 @njit()

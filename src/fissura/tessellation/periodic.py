@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.box import box
 from fissura.tessellation.clipped import Setting, clipped, plane_keys
 from fissura.tessellation.measures import lines, volumes
@@ -94,7 +95,7 @@ def periodic_cell(x: FloatArray, side: float, spacing: float, gap: float = 1.0) 
     steps = np.concatenate([np.zeros((n, 3), np.int64), step])
     everywhere = np.ascontiguousarray(x[of] + side * steps + layer)
     size = (side + 2.0 * layer,) * 3
-    complex_, _ = box(size).build()
+    complex_, _ = complex_of(box(size))
     home = np.zeros(len(of), np.int64)
     setting = Setting.of(everywhere, home, complex_, plane_keys(complex_), np.full(len(of), spacing), 0)
     found = clipped(np.arange(len(of)) < n, setting)

@@ -1,0 +1,15 @@
+"""The standard Gaussian distribution, far out in its tails, too."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import log_ndtr
+
+__all__ = ["ROOT_2_PI", "hazard"]
+
+ROOT_2_PI = np.sqrt(2.0 * np.pi)
+
+
+def hazard(a: float) -> float:
+    """Hazard ``phi(a) / Phi(-a)`` of the standard Gaussian."""
+    return float(np.exp(-0.5 * a * a - log_ndtr(-a)) / ROOT_2_PI)
