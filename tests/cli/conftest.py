@@ -8,8 +8,6 @@ from types import ModuleType
 
 import pytest
 
-import fissura
-
 from .fakes import TINY, FakeRecorder, FakeSimulation
 
 
@@ -29,5 +27,7 @@ def fake(monkeypatch: pytest.MonkeyPatch) -> type[FakeSimulation]:
     module = ModuleType("fissura.simulation.loop")
     module.Simulation = simulation  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "fissura.simulation.loop", module)
-    monkeypatch.setattr(fissura.running.recorder, "Recorder", type("Recorder", (FakeRecorder,), {}))
+    for place in ("fissura.running.run", "fissura.api.check"):
+        monkeypatch.setattr(f"{place}.Simulation", simulation)
+    monkeypatch.setattr("fissura.running.run.Recorder", type("Recorder", (FakeRecorder,), {}))
     return simulation

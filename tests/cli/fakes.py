@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from typer.testing import CliRunner, Result
 
-import fissura.running.recorder
+import fissura.running.run
 from changes import TINY_BEAM
 from fissura.case import Case
 from fissura.cli import app
@@ -101,4 +101,4 @@ class FakeRecorder:
 
 
 def recorder() -> Any:
-    return fissura.running.recorder.Recorder
+    return fissura.running.run.Recorder

@@ -19,7 +19,6 @@ from fissura.ensemble.plan import Plan
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import COLUMNS, read_table, table, write_table
 from fissura.errors import InputError, RunStopped
-from fissura.running import run as api
 
 Build = Callable[..., Case]
 
@@ -97,7 +96,7 @@ def test_every_way_to_end_is_an_outcome(
     def fail(*arguments: Any, **options: Any) -> None:
         raise error
 
-    monkeypatch.setattr(api, "run", fail)
+    monkeypatch.setattr("fissura.ensemble.outcome.run_case", fail)
     outcome = compute(task)
     assert (outcome.status, outcome.again) == (status, again)
     assert message in outcome.message

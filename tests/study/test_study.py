@@ -136,7 +136,7 @@ def test_an_interrupted_study_goes_on(tmp_path, caplog):
 
 
 def test_an_unexpected_error_fails_one_run_only(tmp_path, monkeypatch):
-    module = import_module("fissura.simulation.loop")
+    module = import_module("fissura.study.execute")
 
     class Broken(module.Simulation):
         def steps(self):

@@ -11,8 +11,13 @@ from typing import TYPE_CHECKING, Any
 from fissura.api.stages import stages_in_words, study_in_words
 from fissura.case import Case, case_of
 from fissura.case.macroscopic import macroscopic_elasticity
+from fissura.contact import limits_from_case
 from fissura.errors import InputError, Notice
+from fissura.kernels import seconds_to_compile
 from fissura.machine.memory import gigabytes, physical_memory
+from fissura.results.measured import read_measured
+from fissura.simulation.described import described
+from fissura.simulation.loop import Simulation
 from fissura.simulation.memory import estimate_bodies, estimate_memory, require_memory
 from fissura.text.quantities import force
 from fissura.text.rows import Described, aligned
@@ -183,17 +188,13 @@ def check(case: Case | Mapping[str, Any] | str | Path, *, build: bool | None = T
     """
     case = case_of(case)
     require_memory(case)
-    from fissura.kernels import seconds_to_compile
 
     if case.output.measured is not None:
-        from fissura.results.measured import read_measured
-
         read_measured(case.output.measured)
     if build is None:
         build = seconds_to_compile() < _QUICK
     if build:
         return _built(case)
-    from fissura.simulation.described import described
 
     found = described(case)
     return _described(case, found.domain, found.notices, round(estimate_bodies(case)), 0.0)
@@ -201,8 +202,6 @@ def check(case: Case | Mapping[str, Any] | str | Path, *, build: bool | None = T
 
 def _built(case: Case) -> CheckReport:
     """What a case would run, with its bodies."""
-    from fissura.simulation.loop import Simulation
-
     simulation = Simulation(case)
     contacts = simulation.tessellation.contacts
     lengths = contacts.length[contacts.fine]
@@ -221,8 +220,6 @@ def _described(
     case: Case, domain: Domain, notices: tuple[Notice, ...], bodies_full: int, longest: float
 ) -> CheckReport:
     """What there is to say of a case whose longest fine contact, as far as known, has this length [m]."""
-    from fissura.contact import limits_from_case
-
     limits, machine = limits_from_case(case), physical_memory()
     # Saturated: no point is farther than l_f from a nucleus, so no two neighbours are more than 2 l_f apart. At a notch
     # that nucleus may lie across it, and the nearest one on the point's own side as far again.

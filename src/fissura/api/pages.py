@@ -5,14 +5,14 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from fissura.ensemble.report import write_report
+from fissura.ensemble.result import EnsembleResult
 from fissura.errors import InputError
 from fissura.files.folder import claimed, kind_of
-
-if TYPE_CHECKING:
-    from fissura.ensemble.result import EnsembleResult
-    from fissura.results.result import Result
+from fissura.reports.libraries import require_libraries
+from fissura.reports.run import write_run_page
+from fissura.results.result import Result
 
 __all__ = ["report"]
 
@@ -63,11 +63,6 @@ def report(
     >>> fissura.report(result, "beam.html").name
     'beam.html'
     """
-    from fissura.ensemble.result import EnsembleResult
-    from fissura.reports.libraries import require_libraries
-    from fissura.reports.run import write_run_page
-    from fissura.results.result import Result
-
     require_libraries()
     if isinstance(source, str | Path):
         source = EnsembleResult.load(source) if kind_of(Path(source)) == "ensemble" else Result.load(source)
@@ -83,8 +78,6 @@ def report(
 def _ensemble(
     result: EnsembleResult, path: str | Path | None, *, runs: bool, on_run: Callable[[int, int], None] | None
 ) -> Path:
-    from fissura.ensemble.report import write_report
-
     wanted = _place(result.folder, path)
     if runs:
         _runs(result, on_run)

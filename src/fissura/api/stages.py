@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from fissura.case import Case, LoadingStage
+from fissura.case.points import points_of
 from fissura.case.programme import GRAVITY
 from fissura.text.quantities import counted, force
 from fissura.text.quantities import energy as joules
@@ -99,7 +100,6 @@ def study_in_words(case: Case) -> str:
     """What the table ``[ensemble]`` asks for, in words; every point of its study is validated."""
     if case.ensemble is None:
         return ""
-    from fissura.case.points import points_of
 
     part = case.ensemble
     runs = len(part.seeds) or part.runs or 1

@@ -6,6 +6,7 @@ import base64
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
+from fissura.calibration.picture import plot_calibration
 from fissura.files.atomic import write_atomically
 from fissura.pictures.attempted import attempted
 from fissura.pictures.curves import DPI
@@ -21,8 +22,6 @@ __all__ = ["write_report"]
 def write_report(result: Calibration) -> None:
     """Write ``calibration.png`` and ``calibration.html``."""
     from jinja2 import Environment
-
-    from fissura.calibration.picture import plot_calibration
 
     picture = attempted("calibration.png", lambda: rendered(plot_calibration(result), form="png", dpi=DPI))
     if picture is not None:

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field, ValidationError
 
 from fissura.calibration.problem import Problem, Test, Unknown, dimension_of, number_of
 from fissura.case import Case, case_from_dict, load_case
+from fissura.case.changed import value_at
 from fissura.case.load import read_case_file
 from fissura.case.part import Part
 from fissura.case.report import fail, input_error
@@ -245,8 +246,6 @@ def _unknown(case: Case, key: str, entry: UnknownEntry) -> Unknown:
 
 def _start(case: Case, key: str) -> float | None:
     """The number that a key has in the case."""
-    from fissura.case.changed import value_at
-
     try:
         value = value_at(case, key)
     except InputError as error:

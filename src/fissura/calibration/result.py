@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fissura.errors import InputError
 from fissura.files.folder import copied
 from fissura.files.tables import read_json
+from fissura.results.dataframe import frame
 from fissura.text.quantities import per_cent
 from fissura.text.rows import Described
 
@@ -302,8 +303,6 @@ class Calibration(Described):
         >>> bool(found.to_dataframe().loc["material.f_t", "error"] > 0)
         True
         """
-        from fissura.results.dataframe import frame
-
         names = ("value", "error", "low", "high", "start", "lower", "upper", "from_simulated", "from_measured")
         columns = {name: np.array([getattr(e, name) for e in self.estimates.values()]) for name in names}
         return frame({"key": np.array(list(self.estimates)), **columns}, "key")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -92,8 +93,6 @@ def _edited(source: str, changes: Mapping[str, Any]) -> str:
 
 def _same(text: str, wanted: Case, folder: Path, keys: list[str]) -> bool:
     """Whether a text is the wanted case, as far as the digits of its values go."""
-    import tomllib
-
     found = case_from_dict({**tomllib.loads(text), "name": wanted.name}, folder)
     for key in keys:
         here, there = value_at(found, key), value_at(wanted, key)

@@ -52,7 +52,7 @@ class MacroscopicElasticity:
     @cached_property
     def _curve(self) -> PchipInterpolator:
         """Poisson's ratio over the root of `alpha`; it is monotone, as the table is."""
-        from scipy.interpolate import PchipInterpolator
+        from scipy.interpolate import PchipInterpolator  # cases are read without SciPy
 
         return PchipInterpolator([math.sqrt(alpha) for alpha in self.alpha], self.nu)
 
@@ -105,7 +105,7 @@ class MacroscopicElasticity:
         least, most = self.range
         if not least <= nu <= most:
             raise InputError("nu", f"{nu:g} cannot be reached", self.allowed)
-        from scipy.optimize import brentq
+        from scipy.optimize import brentq  # cases are read without SciPy
 
         low, high = math.sqrt(self.alpha[0]), math.sqrt(self.alpha[-1])
         x = brentq(lambda place: self._value(place) - nu, low, high, xtol=1e-16, rtol=1e-15)

@@ -53,10 +53,11 @@ def run(
     quiet |= json
     with errors(json=json), interruptible(_nothing if json else say), report_at_end(wanted=report):
         from fissura.case import load_case
-        from fissura.progress.live import RunProgress
-        from fissura.running import run as api
 
-        loaded = load_case(case)
+        loaded = load_case(case)  # what is wrong with it is told before all that a run needs is imported
+        from fissura.progress.live import RunProgress
+        from fissura.running.run import run as run_case
+
         folder = output if output is not None else Path("results") / (loaded.name + ("_full" if full else ""))
         console = Console(stderr=True)
         progress = None if quiet else RunProgress(console, loaded)
@@ -74,7 +75,7 @@ def run(
                 verbosely(console, wanted=verbose and not json),
                 progress or nullcontext(),
             ):
-                result = api.run(
+                result = run_case(
                     loaded,
                     full=full,
                     output=folder,
@@ -114,11 +115,13 @@ def check(
 ) -> None:
     """Validate a case and say what would be run, without running it."""
     with errors(json=json):
-        from fissura.api.check import check as checked
         from fissura.case import load_case
 
         with warnings(Console(stderr=True)) as shown:
-            found = checked(load_case(case), build=build or None)
+            loaded = load_case(case)
+            from fissura.api.check import check as checked
+
+            found = checked(loaded, build=build or None)
             if json:
                 print_json(check_json(found))
                 return

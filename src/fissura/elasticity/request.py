@@ -11,6 +11,8 @@ from fissura.case.macroscopic import macroscopic_elasticity, voigt
 from fissura.case.ranges import BULK_MODULI, ENERGIES, LENGTHS, MODULI, STRENGTHS, Range, between
 from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, Dimension, to_si
 from fissura.elasticity import limits
+from fissura.elasticity.pictures import plot_alpha, plot_size
+from fissura.elasticity.study import spread
 from fissura.elasticity.tension import macroscopic_tension
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically
@@ -252,8 +254,6 @@ def study_table(found: Study, E: float | None = None) -> tuple[list[str], list[l
     E : float, optional
         Modulus of the contacts [Pa]; adds a column with the macroscopic one.
     """
-    from fissura.elasticity.study import spread
-
     heads = ["structure", "alpha", "l_min/size", "bodies", "seeds", "E/E_c", "std", "nu", "std", "anisotropy"]
     rows = []
     for row in found.rows:
@@ -281,8 +281,6 @@ def layer_table(found: Study) -> tuple[list[str], list[list[str]]]:
 
 def write_csv(found: Study, path: Path, E: float | None = None) -> None:
     """Write all rows of a study as full numbers; moduli relative to that of the contacts, which `E` [Pa] adds."""
-    from fissura.elasticity.study import spread
-
     head = "structure,alpha,l_min_over_size,bodies,seeds,E_ratio,E_ratio_std,E_ratio_ci95,nu,nu_std,nu_ci95,anisotropy"
     lines = [head + ("" if E is None else ",E_Pa")]
     for row in found.rows:
@@ -305,8 +303,6 @@ def write(found: Study, folder: Path, E: float | None = None) -> list[str]:
     E : float, optional
         Modulus of the contacts [Pa].
     """
-    from fissura.elasticity.pictures import plot_alpha, plot_size
-
     # The picture over sizes shows one alpha: the one nearest to that of concrete.
     shown = min(found.alphas, key=lambda alpha: abs(alpha - limits.CONCRETE))
     names = ["elastic.csv", "elastic_alpha.png", "elastic_size.png"]

@@ -12,6 +12,7 @@ import numpy as np
 
 from fissura.errors import InputError, RunStopped
 from fissura.results.curve import Curve
+from fissura.running.run import run as run_case
 
 if TYPE_CHECKING:
     from fissura.ensemble.plan import Task
@@ -115,12 +116,10 @@ def compute(task: Task) -> Outcome:
 
 
 def _computed(task: Task, folder: Path | None) -> Outcome:
-    from fissura.running import run as api
-
     start = CrackStart(task.case.material.G_t / task.case.material.f_t)
     result: Result
     try:
-        result = api.run(task.case, full=task.full, output=folder, overwrite=True, on_step=start.watch, progress=False)
+        result = run_case(task.case, full=task.full, output=folder, overwrite=True, on_step=start.watch, progress=False)
         status, message, again = "finished", "", False
     except RunStopped as error:
         stopped: Result | None = getattr(error, "result", None)

@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from fissura.case import Case
 from fissura.case.ensemble import COMBINE, Combine, Varied
@@ -266,8 +267,7 @@ class Plan:
         """
         if self.sampling == "monte-carlo":
             return np.empty((self.runs, 0))
-        from scipy.special import ndtri
-        from scipy.stats.qmc import LatinHypercube
+        from scipy.stats.qmc import LatinHypercube  # takes long to import
 
         rng = np.random.default_rng(spawned(self.master, 0, STRATA))
         return np.asarray(ndtri(LatinHypercube(self.leading_modes, rng=rng).random(self.runs)))

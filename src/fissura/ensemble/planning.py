@@ -13,6 +13,7 @@ from fissura.case.ensemble import Combine, Varied
 from fissura.case.report import input_error
 from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling
 from fissura.errors import InputError
+from fissura.material import field_from_case
 
 __all__ = ["planned"]
 
@@ -85,7 +86,6 @@ def _leading_modes(plan: Plan, asked: int | None) -> int:
         raise InputError("--leading-modes", f"has no effect on {plan.sampling}", "only with --sampling latin-hypercube")
     if plan.mode == "geometry":
         return plan.leading_modes
-    from fissura.material import field_from_case
 
     modes = 0
     for case in _with_different_fields(plan):

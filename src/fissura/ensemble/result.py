@@ -11,16 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.batch.result import FolderResult
+from fissura.case import case_from_dict
+from fissura.case.ensemble import lists_of_values
 from fissura.case.points import Value
 from fissura.ensemble.band import Band, band, write_bands
 from fissura.ensemble.groups import group_rows, write_groups
 from fissura.ensemble.overview import rows_of
 from fissura.ensemble.plan import Kind, Plan
 from fissura.ensemble.statistics import Statistics, statistics
+from fissura.ensemble.store import Store
 from fissura.ensemble.table import Table, read_table, select
 from fissura.files.atomic import write_json
 from fissura.files.folder import FolderKind
+from fissura.files.tables import read_json
 from fissura.results.curve import COLUMN_OF, read_curve
+from fissura.results.dataframe import frame
 from fissura.results.load_path import LoadPath
 from fissura.results.result import Result
 from fissura.results.summary import read_summary
@@ -118,10 +123,6 @@ class EnsembleResult(FolderResult):
         >>> bool((EnsembleResult.load(study.folder).peaks == study.peaks).all())
         True
         """
-        from fissura.case import case_from_dict
-        from fissura.case.ensemble import lists_of_values
-        from fissura.files.tables import read_json
-
         folder = Path(folder)
         plan = read_summary(folder / "ensemble.json").get("plan", {})
         data = read_json(folder / "case.json", "the case.json of an ensemble")
@@ -209,8 +210,6 @@ class EnsembleResult(FolderResult):
         >>> study.place(1).name
         '0001'
         """
-        from fissura.ensemble.store import Store
-
         return Store(self.folder).place(kind, number)
 
     def result(self, number: int, kind: Kind = "run") -> Result:
@@ -359,8 +358,6 @@ class EnsembleResult(FolderResult):
         >>> list(means.index)
         [2000000.0, 3000000.0]
         """
-        from fissura.results.dataframe import frame
-
         return frame(group_rows(self.groups), "point") if groups else frame(self.runs, "number")
 
     def _rows(self) -> list[tuple[str, str]]:

@@ -17,6 +17,7 @@ from fissura.case.ensemble import Combine
 from fissura.ensemble.outcome import Outcome, compute
 from fissura.ensemble.plan import Companions, Mode, Plan, Sampling, Task
 from fissura.ensemble.planning import planned
+from fissura.ensemble.report import write_report
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
@@ -230,8 +231,6 @@ def evaluate(plan: Plan, store: Store, *, report: bool = True) -> EnsembleResult
 
     An earlier ensemble may have had more runs; those beyond the plan's stay on disk, and out of the tables.
     """
-    from fissura.ensemble.report import write_report
-
     wanted = set(plan.keys())
     rows = table(summary for key, summary in store.kept().summaries.items() if key in wanted)
     write_table(rows, store.folder)

@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from fissura.errors import InputError
+from fissura.files.archive import read_archive
+from fissura.files.tables import read_json
 
 __all__ = ["kind_before_marks", "names_before_marks"]
 
@@ -79,8 +81,6 @@ def _is_elastic(folder: Path) -> bool:
 
 
 def _is_record(path: Path) -> bool:
-    from fissura.files.archive import read_archive
-
     try:
         read_archive(path, "fissura-study-run", 1)
     except InputError:
@@ -90,8 +90,6 @@ def _is_record(path: Path) -> bool:
 
 def _read(path: Path) -> dict[str, Any]:
     """Content of a JSON file of ours; nothing of any other file."""
-    from fissura.files.tables import read_json
-
     try:
         content = read_json(path, "a file of ours", tables=False, most=50_000_000)
     except InputError:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,6 @@ from numpy.typing import NDArray
 from fissura.case.units import show
 from fissura.errors import InputError
 from fissura.machine.threads import VARIABLE, usable_processors
-
-if TYPE_CHECKING:
-    from concurrent.futures import ThreadPoolExecutor
 
 __all__ = ["SINGLE_THREAD", "KernelThreads"]
 
@@ -69,8 +67,6 @@ class KernelThreads:
         if self.count == 1:
             return [kernel(begin, end, *rest) for begin, end in pieces]
         if self._pool is None:
-            from concurrent.futures import ThreadPoolExecutor
-
             # The calling thread does its share.
             self._pool = ThreadPoolExecutor(self.count - 1, thread_name_prefix="fissura")
         waiting = [self._pool.submit(kernel, begin, end, *rest) for begin, end in pieces[1:]]

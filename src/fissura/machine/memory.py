@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import psutil
+
 from fissura.errors import InputError
 
 __all__ = ["gigabytes", "physical_memory", "within_memory"]
@@ -13,8 +15,6 @@ __all__ = ["gigabytes", "physical_memory", "within_memory"]
 
 def physical_memory() -> float:
     """Memory [bytes] that a process may use: of the machine, or of the container it runs in if less."""
-    import psutil
-
     total = float(psutil.virtual_memory().total)
     for name in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
         try:

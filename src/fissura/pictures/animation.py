@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 
 from fissura.errors import InputError
 from fissura.files.atomic import replacing
@@ -160,8 +161,6 @@ def _canvas(result: Result, look: Look, width: int) -> tuple[FigureCanvasAgg, Si
 
 def _write_gif(drawn: Iterator[FigureCanvasAgg], path: Path, fps: int) -> None:
     """Write a GIF whose frames share one palette: a third smaller than with matplotlib's PillowWriter."""
-    from PIL import Image
-
     whole = []
     for canvas in drawn:
         canvas.draw()  # type: ignore[no-untyped-call]

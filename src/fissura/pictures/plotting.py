@@ -55,7 +55,7 @@ def plot_columns(result: RunData, x: str | None, y: str, ax: Axes | None, line: 
 
 def new_axes(size: tuple[float, float]) -> Axes:
     """Axes of a new figure of pyplot, which notebooks show by themselves; its size in inches."""
-    from matplotlib import pyplot
+    from matplotlib import pyplot  # looks for windows when it is imported
 
     return pyplot.subplots(figsize=size, layout="constrained")[1]
 

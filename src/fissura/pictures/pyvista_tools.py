@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from fissura.errors import InputError
 from fissura.files.atomic import replacing
@@ -114,8 +115,6 @@ def screenshot(view: Any, path: Path) -> None:
     OSError
         The file cannot be written.
     """
-    from PIL import Image
-
     with _quiet():
         pixels = view.screenshot(return_img=True)
         view.close()

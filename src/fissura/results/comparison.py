@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.results.dataframe import frame
 from fissura.results.load_path import NAMES
 from fissura.text import quantities as text
 from fissura.text.rows import Described
@@ -178,8 +179,6 @@ class Comparison(Described):
         >>> list(both.to_dataframe().columns)
         ['a', 'b', 'difference']
         """
-        from fissura.results.dataframe import frame
-
         numbers = self.numbers()
         names, values = np.array(list(numbers)), np.array(list(numbers.values()))
         return frame({"quantity": names, "a": values[:, 0], "b": values[:, 1], "difference": values[:, 2]}, "quantity")

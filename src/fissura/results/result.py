@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from fissura.case import case_from_dict
 from fissura.errors import InputError
+from fissura.files.tables import read_json
 from fissura.results.curve import COLUMNS, read_curve
 from fissura.results.state import read_states
 from fissura.results.summary import curve_numbers, read_summary, result_folder
@@ -74,9 +76,6 @@ class Result(Views):
         >>> Result.load(folder).status
         'finished'
         """
-        from fissura.case import case_from_dict
-        from fissura.files.tables import read_json
-
         folder = result_folder(folder)
         curve, summary = read_curve(folder / "curve.csv"), read_summary(folder / "summary.json")
         if summary.get("status") == "running" and set(COLUMNS) <= set(curve):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.results.curve import COLUMN_OF, Curve, peak_position
+from fissura.results.history import read_history
 from fissura.results.names import load_name
 from fissura.text import quantities as text
 from fissura.text.rows import Described
@@ -48,7 +49,6 @@ class RunData(Described):
         """
         if self.sections or self.folder is None:
             return self.sections
-        from fissura.results.history import read_history
 
         return read_history(self.folder)
 

@@ -9,10 +9,11 @@ import numpy as np
 
 from fissura.errors import InputError
 from fissura.files.archive import read_archive, write_archive
+from fissura.simulation.step import Snapshot
 from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
 
 if TYPE_CHECKING:
-    from fissura.simulation.step import Moment, Snapshot, Step
+    from fissura.simulation.step import Moment, Step
 
 __all__ = ["FORMAT", "FORMAT_VERSION", "LAST", "read_state", "read_states", "state_file", "write_state"]
 
@@ -72,8 +73,6 @@ def read_state(path: str | Path) -> tuple[int, Snapshot]:
     InputError
         The file is missing, is something else, or is newer than this version of Fissura.
     """
-    from fissura.simulation.step import Snapshot
-
     key, allowed = str(path), f"a {FORMAT} file of version 1 to {FORMAT_VERSION}"
     arrays = read_archive(path, FORMAT, FORMAT_VERSION)
     try:

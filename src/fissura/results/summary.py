@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import psutil
 
 from fissura.adaptivity.estimate import load_error_bound
 from fissura.errors import InputError
@@ -163,8 +164,6 @@ def _field(simulation: Simulation) -> dict[str, Any] | None:
 def peak_memory() -> float:
     """Largest resident memory of this process since it started [bytes]."""
     if sys.platform == "win32":
-        import psutil
-
         return float(psutil.Process().memory_info().peak_wset)
     status = Path("/proc/self/status")
     if status.exists():  # Linux: what getrusage tells there includes the process that started this one

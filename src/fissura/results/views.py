@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fissura.results.dataframe import frame
 from fissura.results.run_data import RunData
+from fissura.results.xarrays import dataset_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -128,8 +130,6 @@ class Views(RunData):
         --------
         >>> result.to_dataframe()[["gauge_m", "load_N"]].to_csv("loads.csv")
         """
-        from fissura.results.dataframe import frame
-
         return frame(self.curve, "step")
 
     def to_xarray(self, what: Fields = "curve") -> Any:
@@ -165,8 +165,6 @@ class Views(RunData):
         >>> bool(opening[-1] == result.last.opening.max())
         True
         """
-        from fissura.results.xarrays import dataset_of
-
         return dataset_of(self, what)
 
     def to_pyvista(self, step: int | None = None) -> Any:

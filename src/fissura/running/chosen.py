@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fissura.results.done import Done
+from fissura.results.vtk import SERIES, file_name, write_series, write_snapshot
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -77,7 +78,6 @@ class ChosenStates:
         if self._folder is None or self._total == 0 or moment.number in self.written:
             self.owed = False
             return
-        from fissura.results.vtk import SERIES, file_name, write_series, write_snapshot
 
         self._own(*(file_name(kind, moment.number) for kind in SERIES), *(f"{kind}.pvd" for kind in SERIES))
         write_snapshot(self._folder, moment.number, moment.snapshot)
@@ -103,7 +103,6 @@ class ChosenStates:
         self._pass(share)
         if self._folder is None:
             return
-        from fissura.results.vtk import SERIES, file_name, write_series
 
         self.written = dict(written)
         kept = {file_name(kind, number) for kind in SERIES for number in written}

@@ -9,6 +9,8 @@ from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rich.console import Console
+
 from fissura.case import Case, case_of
 from fissura.case.continued import continued
 from fissura.case.types import whole
@@ -16,17 +18,23 @@ from fissura.case.units import show
 from fissura.errors import FissuraError, InputError, RunStopped
 from fissura.files.folder import prepare_folder
 from fissura.files.lock import locked
+from fissura.kernels import prepare_cache
 from fissura.machine.interrupts import shielded
+from fissura.progress.live import RunProgress
+from fissura.results.measured import read_measured
+from fissura.results.result import Result
+from fissura.results.summary import read_summary
+from fissura.running.checkpoint import checkpoint_in, read_checkpoint
+from fissura.running.recorder import Recorder
+from fissura.running.resuming import begun
+from fissura.simulation.loop import Simulation
 from fissura.simulation.memory import require_memory
 from fissura.simulation.observer import Observer, watched
 
 if TYPE_CHECKING:
-    from fissura.progress.live import RunProgress
     from fissura.results import Result
     from fissura.running.checkpoint import Checkpoint
-    from fissura.running.recorder import Recorder
     from fissura.running.resuming import Begun
-    from fissura.simulation.loop import Simulation
     from fissura.simulation.state import State
     from fissura.simulation.step import Step
 
@@ -103,7 +111,6 @@ def run(
     case = case_of(case)
     if seed is not None:
         case = with_seed(case, seed)
-    from fissura.kernels import prepare_cache
 
     prepare_cache()
     if resume:
@@ -111,7 +118,6 @@ def run(
             raise InputError(
                 "--resume", "goes on with the run in a folder, and does not replace it", "output, and no --overwrite"
             )
-        from fissura.running.checkpoint import checkpoint_in
 
         checkpoint_in(Path(output))
     folder = None if output is None else prepare_folder(output, "run", overwrite=overwrite, go_on=resume)
@@ -121,16 +127,11 @@ def run(
             case, checkpoint = _begins_from(folder, case, full=full)
         require_memory(case, full=full)
 
-        from fissura.results.measured import read_measured
-        from fissura.simulation.loop import Simulation
-
         if case.output.measured is not None:
             read_measured(case.output.measured)  # the pictures need it at the end: say now if it is wrong
         simulation = Simulation(case, full=full)
-        before = None if checkpoint is None else _begun(simulation, checkpoint)
+        before = None if checkpoint is None else begun(simulation, checkpoint)
         if before is not None and folder is not None and simulation.ended and _is_finished(folder):
-            from fissura.results.result import Result
-
             return Result.load(folder)
         for notice in simulation.notices:
             logger.warning(notice)
@@ -150,9 +151,6 @@ def _shown(case: Case, progress: bool | None) -> AbstractContextManager[RunProgr
     """What shows the progress of a run, if anything does; a notebook has IPython loaded."""
     if progress is False or (progress is None and "IPython" not in sys.modules):
         return nullcontext()
-    from rich.console import Console
-
-    from fissura.progress.live import RunProgress
 
     console = Console(stderr=True)
     return RunProgress(console, case) if progress or console.is_jupyter else nullcontext()
@@ -160,8 +158,6 @@ def _shown(case: Case, progress: bool | None) -> AbstractContextManager[RunProgr
 
 def _begins_from(folder: Path, case: Case, *, full: bool) -> tuple[Case, Checkpoint]:
     """The case with which a run goes on, and the checkpoint from which it does."""
-    from fissura.running.checkpoint import read_checkpoint
-
     found = read_checkpoint(folder)
     if found.full != full:
         kind = "at full resolution" if found.full else "adaptive"
@@ -169,16 +165,8 @@ def _begins_from(folder: Path, case: Case, *, full: bool) -> tuple[Case, Checkpo
     return continued(case, found.case, found.leg, found.begin, finished=_is_finished(folder)), found
 
 
-def _begun(simulation: Simulation, checkpoint: Checkpoint) -> Begun:
-    from fissura.running.resuming import begun
-
-    return begun(simulation, checkpoint)
-
-
 def _is_finished(folder: Path) -> bool:
     """Whether a run has written all that belongs to its end."""
-    from fissura.results.summary import read_summary
-
     try:
         return read_summary(folder / "summary.json").get("status") == "finished"
     except InputError:
@@ -189,8 +177,6 @@ def _recorded(
     simulation: Simulation, folder: Path | None, before: Begun | None, observers: tuple[Observer, ...]
 ) -> Result:
     """Step to the end, recording; save whatever there is when the run ends early."""
-    from fissura.running.recorder import Recorder
-
     number = 0 if before is None else before.last.number
     controlled = 0.0 if before is None else before.last.controlled
     recorder: Recorder | None = None

@@ -10,12 +10,15 @@ from fissura.errors import InputError
 from fissura.files.atomic import write_atomically, write_json
 from fissura.files.folder import Folder, copy_files, prepare_folder
 from fissura.files.lock import locked
+from fissura.material import field_from_case
 from fissura.pictures.attempted import attempted
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.history import FILE, HistoryWriter
 from fissura.results.state import LAST, state_file, write_state
 from fissura.results.summary import result_folder, write_summary
+from fissura.running.chosen import ChosenStates
 from fissura.simulation.step import Moment
+from fissura.specimen import domain_from_case
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -41,6 +44,7 @@ def write_case(case: Case, own: Own) -> None:
 
 def draw_pictures(result: Result, domain: Domain, field: RandomField | None, own: Own) -> None:
     """Draw the curve, the crack and the random field of a run with steps; one that fails is a warning."""
+    # Matplotlib takes long to import, and a run starts without it.
     from fissura.pictures.crack import plot_crack
     from fissura.pictures.curves import plot_curve
 
@@ -72,10 +76,6 @@ def stored(result: Result, path: str | Path, *, overwrite: bool) -> Path:
 
 def _written(result: Result, folder: Folder) -> None:
     """Write what is in memory, the summary last, as runs do."""
-    from fissura.material import field_from_case
-    from fissura.running.chosen import ChosenStates
-    from fissura.specimen import domain_from_case
-
     own, case, domain = folder.own, result.case, domain_from_case(result.case)
     write_case(case, own)
     CurveWriter(own("curve.csv"), tuple(result.curve), result.curve).close()

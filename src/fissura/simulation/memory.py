@@ -7,6 +7,8 @@ from fissura.case.plausible import suspect
 from fissura.errors import InputError
 from fissura.machine.memory import gigabytes, physical_memory
 from fissura.simulation import limits
+from fissura.specimen import domain_from_case
+from fissura.specimen.notches import SURFACE
 
 __all__ = [
     "estimate_bodies",
@@ -28,9 +30,6 @@ def estimate_bodies(case: Case) -> float:
     float
         Number of bodies, not rounded; may be infinite for absurd sizes.
     """
-    from fissura.specimen import domain_from_case  # brings NumPy: what is wrong in a case is told without it
-    from fissura.specimen.notches import SURFACE
-
     domain, l_f = domain_from_case(case), case.discretization.l_f
     area = sum(part.area for part in domain.faces(*(name for name in domain.surfaces if name != SURFACE)))
     layers = domain.volume / l_f**3 + 0.3 * area / l_f**2 + 0.36 * float(domain.size.sum()) / l_f + 0.216
@@ -71,8 +70,6 @@ def require_memory(case: Case, *, full: bool = False) -> None:
         If the nuclei of the whole specimen, or with ``full`` the solver, or calibration, need more memory than
         there is.
     """
-    from fissura.specimen import domain_from_case
-
     bodies, machine, l_f = estimate_bodies(case), physical_memory(), case.discretization.l_f
     if case.discretization.nuclei is not None:
         bodies *= limits.SPARSEST

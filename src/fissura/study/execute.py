@@ -6,14 +6,21 @@ import time
 import traceback
 from typing import TYPE_CHECKING, Any
 
+from fissura.case import case_from_dict
 from fissura.errors import FissuraError, InputError, RunStopped
+from fissura.results.curve import columns, row
+from fissura.results.summary import build_summary, peak_memory
+from fissura.simulation.loop import Simulation
+from fissura.simulation.memory import require_memory
+from fissura.simulation.observer import watched
+from fissura.study.definition import FULL, Task
+from fissura.study.indicators import Observer
 from fissura.study.record import Record
 
 if TYPE_CHECKING:
     from fissura.results.curve import Row
     from fissura.simulation.state import State
     from fissura.simulation.step import Step
-    from fissura.study.definition import Task
 
 __all__ = ["execute", "failed", "warm_up"]
 
@@ -44,13 +51,6 @@ def execute(task: Task) -> Record:
     KeyboardInterrupt
         The user interrupts.
     """
-    from fissura.results.curve import columns, row
-    from fissura.results.summary import build_summary, peak_memory
-    from fissura.simulation.loop import Simulation
-    from fissura.simulation.memory import require_memory
-    from fissura.simulation.observer import watched
-    from fissura.study.indicators import Observer
-
     head = _head(task)
     rows: list[Row] = []
     observer: Observer | None = None
@@ -106,9 +106,6 @@ def execute(task: Task) -> Record:
 
 def warm_up() -> None:
     """Load all kernels, so that the first run of a process is not charged with it."""
-    from fissura.case import case_from_dict
-    from fissura.study.definition import FULL, Task
-
     beam: dict[str, Any] = {
         "specimen": {"size": [0.14, 0.04, 0.02]},
         "notch": {"face": "bottom", "position": 0.07, "depth": 0.01},

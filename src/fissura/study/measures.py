@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from fissura.adaptivity import load_error_bound
 from fissura.errors import InputError
@@ -193,8 +194,6 @@ def crack_share(adaptive: Energies, full: Energies, reach: float) -> float:
     reach : float
         Largest distance of centroids of facets [m].
     """
-    from scipy.spatial import cKDTree
-
     if not len(adaptive) or not len(full):
         return math.nan
     away = cKDTree(full.centroid[crack_of(full)]).query(adaptive.centroid)[0]

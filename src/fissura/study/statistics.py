@@ -123,7 +123,7 @@ def correlations(found: Iterable[Measures], error: Callable[[Measures], float] =
 
 
 def _correlation(name: str, values: FloatArray, true: FloatArray) -> Correlation:
-    from scipy.stats import pearsonr, spearmanr
+    from scipy.stats import pearsonr, spearmanr  # takes long to import
 
     nothing = math.nan
     if len(values) < 3 or np.ptp(values) == 0.0 or np.ptp(true) == 0.0:
@@ -167,7 +167,7 @@ class Localisation:
 
 def localisation(found: Iterable[Measures]) -> list[Localisation]:
     """Compare places of cracks for each specimen and variation with at least two runs."""
-    from scipy.stats import ks_2samp
+    from scipy.stats import ks_2samp  # takes long to import
 
     groups: dict[tuple[str, str], list[Measures]] = {}
     for m in found:

@@ -130,7 +130,7 @@ class Covariance:
 
     @cached_property
     def _table(self) -> tuple[FloatArray, float]:
-        from scipy.interpolate import CubicSpline
+        from scipy.interpolate import CubicSpline  # few runs need it
 
         knots = np.linspace(0.0, self.reach(limits.NO_CORRELATION), limits.INTERVALS + 1)
         pieces = CubicSpline(knots, self.of(knots))

@@ -16,12 +16,10 @@ from scipy.special import gamma, gammainc, log_ndtr, ndtri_exp
 from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.material.field import limits
-from fissura.material.field.marginal import hazard
+from fissura.material.field.normal import ROOT_2_PI, hazard
 
 __all__ = ["Grafted"]
 
-
-_ROOT_2_PI = np.sqrt(2.0 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -122,5 +120,5 @@ class Grafted:
         """Density."""
         t = (np.minimum(h, self.point) / self.scale) ** self.shape
         u = (np.maximum(h, self.point) - self.mean) / self.deviation
-        core = np.exp(self._log_core - 0.5 * u * u) / (_ROOT_2_PI * self.deviation)
+        core = np.exp(self._log_core - 0.5 * u * u) / (ROOT_2_PI * self.deviation)
         return np.where(h <= self.point, self.shape / h * t * np.exp(-t), core)

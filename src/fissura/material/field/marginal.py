@@ -17,11 +17,11 @@ from scipy.special import gammaln, log_ndtr, ndtri_exp
 from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.material.field import limits
+from fissura.material.field.grafted import Grafted
+from fissura.material.field.normal import ROOT_2_PI, hazard
 
-__all__ = ["MARGINALS", "Gaussian", "Lognormal", "Marginal", "Weibull", "hazard", "marginal_named"]
+__all__ = ["MARGINALS", "Gaussian", "Lognormal", "Marginal", "Weibull", "marginal_named"]
 
-
-_ROOT_2_PI = np.sqrt(2.0 * np.pi)
 
 
 class Marginal(Protocol):
@@ -38,11 +38,6 @@ class Marginal(Protocol):
     def pdf(self, h: FloatArray) -> FloatArray:
         """Density at h > 0."""
         ...
-
-
-def hazard(a: float) -> float:
-    """Hazard ``phi(a) / Phi(-a)`` of the standard Gaussian."""
-    return float(np.exp(-0.5 * a * a - log_ndtr(-a)) / _ROOT_2_PI)
 
 
 def _log1mexp(y: FloatArray) -> FloatArray:
@@ -116,7 +111,7 @@ class Gaussian:
     def pdf(self, h: FloatArray) -> FloatArray:
         """Density."""
         u = (h - self.mean) / self.deviation
-        density = np.exp(-0.5 * u * u - log_ndtr(-self._cut)) / (_ROOT_2_PI * self.deviation)
+        density = np.exp(-0.5 * u * u - log_ndtr(-self._cut)) / (ROOT_2_PI * self.deviation)
         return np.where(h < self.lower, 0.0, density)
 
 
@@ -152,7 +147,7 @@ class Lognormal:
     def pdf(self, h: FloatArray) -> FloatArray:
         """Density."""
         u = (np.log(h) - self.mean) / self.deviation
-        out: FloatArray = np.exp(-0.5 * u * u) / (_ROOT_2_PI * self.deviation * h)
+        out: FloatArray = np.exp(-0.5 * u * u) / (ROOT_2_PI * self.deviation * h)
         return out
 
 
@@ -205,15 +200,9 @@ class Weibull:
         return out
 
 
-def _grafted(cov: float, **parameters: float) -> Marginal:
-    from fissura.material.field.grafted import Grafted
-
-    return Grafted.create(cov, **parameters)
-
-
 #: Marginal distributions by the name that a case file gives: what makes them, and the parameters that it takes.
 MARGINALS: dict[str, tuple[Callable[..., Marginal], tuple[str, ...]]] = {
-    "grafted": (_grafted, ("shape", "graft")),
+    "grafted": (Grafted.create, ("shape", "graft")),
     "gaussian": (Gaussian.create, ("lower",)),
     "lognormal": (Lognormal.create, ()),
     "weibull": (Weibull.create, ()),

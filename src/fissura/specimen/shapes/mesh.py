@@ -97,7 +97,7 @@ def mesh(path: Path, scale: float, l_f: float, key: str = "specimen.mesh") -> tu
 
 def _read(path: Path, key: str) -> tuple[FloatArray, IntArray, dict[tuple[int, int, int], str]]:
     """Corners, tetrahedra, and names of triangles of a file."""
-    import meshio
+    import meshio  # few specimens need it
 
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
