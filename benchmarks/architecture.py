@@ -32,7 +32,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "api": ("check.check", "pages.report"),
     "calibration": ("runner.calibrate", "problem.Problem", "result.Calibration"),
     "elasticity": ("homogenise.Homogenisation", "specimen.Prism", "study.study"),
-    "study": ("plan.load_plan", "runner.run_study", "measures.measure"),
+    "study": ("runner.run_study", "measures.measure"),
     "ensemble": ("runner.run_ensemble", "plan.Plan", "result.EnsembleResult"),
     "batch": ("processes.computed",),
     "reports": ("run.write_run_page", "page.rendered", "view.scene_of"),
@@ -53,6 +53,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "case": ("load_case", "case_from_dict", "Case"),
     "files": ("atomic.write_atomically", "folder.prepare_folder"),
     "text": ("quantities.force", "rows.aligned"),
+    "arrays": ("FloatArray", "IntArray"),
     "errors": ("InputError", "RunStopped", "Notice"),
 }
 """What to look for first in each room: names in its files, or in its package itself."""
@@ -65,13 +66,33 @@ GROUPS = (
     ("many runs", ("calibration", "elasticity", "study", "ensemble", "batch")),
     ("one run and\nwhat it leaves", ("reports", "running", "pictures", "progress", "results", "simulation")),
     ("the model", ("adaptivity", "equilibrium", "linear", "contact", "tessellation", "material", "specimen")),
-    ("what all of it uses", ("kernels", "machine", "case", "files", "text", "errors")),
+    ("what all of it uses", ("kernels", "machine", "case", "files", "text", "arrays", "errors")),
 )
 COLOURS = ("#f4d9c6", "#f6e7bd", "#d7e8d0", "#cfe0f0", "#e2e2e6")
 INK, LINE = "#30343b", "#5c6370"
 WIDE, HIGH, STEP, GAP, APART = 2.0, 0.56, 1.0, 0.25, 3.0
 """Of boxes: width, height, distance of rows, more of it between groups, distance of columns."""
-COLUMN = {"study": -3.6, "elasticity": 3.9, "batch": -3.6, "running": 1.25, "reports": 3.9, "files": 0.0, "text": 3.9}
+COLUMN = {
+    "study": -3.6,
+    "elasticity": 3.9,
+    "batch": -3.6,
+    "running": 1.25,
+    "reports": 3.9,
+    "files": 0.0,
+    "text": 3.9,
+    "arrays": -3.0,
+    "errors": 0.0,
+}
+    "study": -3.6,
+    "elasticity": 3.9,
+    "batch": -3.6,
+    "running": 1.25,
+    "reports": 3.9,
+    "files": 0.0,
+    "text": 3.9,
+    "arrays": -3.0,
+    "errors": 0.0,
+}
 """Rooms that stand elsewhere in their row, so that no arrow passes behind a box."""
 
 

@@ -15,6 +15,7 @@ from fissura.batch.resuming import check_same, folder_for, head_of
 from fissura.calibration.evaluate import evaluated
 from fissura.calibration.observed import observed
 from fissura.calibration.problem import Problem
+from fissura.calibration.report import write_report
 from fissura.calibration.request import (
     DEFAULT_UNKNOWNS,
     Request,
@@ -29,7 +30,7 @@ from fissura.calibration.search import least_runs, search
 from fissura.case import Case
 from fissura.case.report import input_error
 from fissura.errors import InputError
-from fissura.files.atomic import write_json
+from fissura.files.atomic import write_atomically, write_json
 from fissura.files.folder import Folder, folder_name
 from fissura.files.lock import locked
 from fissura.results.provenance import versions
@@ -271,9 +272,7 @@ def _begin(place: Path, problem: Problem, request: Request, *, full: bool, resum
 
 def _write(result: Calibration, problem: Problem, request: Request) -> None:
     """Write what was found."""
-    from fissura.calibration.report import write_report
     from fissura.calibration.written import case_text, files_of
-    from fissura.files.atomic import write_atomically
 
     data = read_summary(result.folder / "calibration.json")
     write_json(result.folder / "calibration.json", {**data, "versions": versions(), "result": result.as_dict()})

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
 from fissura.case.adaptivity import Adaptivity
+from fissura.case.changed import changed
 from fissura.case.conditions import Gauge, Load, Named, Support, Tables, named
 from fissura.case.ensemble import Ensemble
 from fissura.case.field import Field as RandomField
@@ -126,8 +127,6 @@ class Case(Part):
         >>> stronger.material.f_s / 1e6  # three times f_t, as before
         9.0
         """
-        from fissura.case.changed import changed
-
         return changed(self, changes)
 
     def _given(self, update: Mapping[str, Any]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from scipy.special import stdtrit
 
 from fissura.arrays import FloatArray
 from fissura.elasticity import limits
@@ -63,7 +64,6 @@ def spread(values: FloatArray) -> tuple[float, float, float]:
     """
     if len(values) < 2:
         return float(values.mean()), np.nan, np.nan
-    from scipy.special import stdtrit
 
     deviation = float(values.std(ddof=1))
     factor = float(stdtrit(len(values) - 1, 0.5 * (1.0 + limits.CONFIDENCE)))

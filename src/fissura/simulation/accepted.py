@@ -2,41 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fissura.arrays import FloatArray
 from fissura.equilibrium import dissipation, reactions
+from fissura.simulation.found import Found, snapshot_of
+from fissura.simulation.model import Model
 from fissura.simulation.state import Before, Effort, State
-from fissura.simulation.step import Snapshot, Step
+from fissura.simulation.step import Step
 
 if TYPE_CHECKING:
-    from fissura.adaptivity import ElasticState
-    from fissura.equilibrium import Equilibrium, Goal, System
-    from fissura.simulation.model import Model
+    from fissura.equilibrium import Goal
 
-__all__ = ["Found", "accepted", "snapshot_of"]
-
-
-@dataclass(frozen=True)
-class Found:
-    """Where a step ends.
-
-    Attributes
-    ----------
-    equilibrium : Equilibrium
-        Displacements, load and history.
-    elastic : ElasticState
-        What the criterion looked at.
-    criterion : (n,) array
-        Its value, 1 at strength; nan for fine bodies.
-    """
-
-    equilibrium: Equilibrium
-    elastic: ElasticState
-    criterion: FloatArray
+__all__ = ["accepted"]
 
 
 def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[State, Step]:
@@ -126,24 +106,3 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
         gauges=dict(zip(conditions.gauge_names, gauges.tolist(), strict=True)),
     )
     return after, step
-
-
-def snapshot_of(system: System, found: Found) -> Snapshot:
-    """What can be seen of a state of equilibrium."""
-    response, contacts = found.equilibrium.response, system.tessellation.contacts
-    n, m = len(system.tessellation), len(contacts)
-    strain, damage = response.strain[:m], np.zeros(m)
-    damage[system.active] = system.law.damage(response.history)
-    return Snapshot(
-        tessellation=system.tessellation,
-        displacement=response.u.reshape(-1, 6)[:n],
-        stress=found.elastic.stress,
-        criterion=found.criterion,
-        strain=strain,
-        traction=response.traction[:m],
-        tangents=system.geometry.frame[:m, 1:],
-        damage=damage,
-        opening=contacts.length * damage * np.maximum(strain[:, 0], 0.0),
-        body_factor=system.body_factor,
-        contact_factor=system.contact_factor,
-    )

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.simulation.step import Snapshot
 
 if TYPE_CHECKING:
@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from fissura.equilibrium import Equilibrium, System
 
 __all__ = ["Found", "snapshot_of"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ from fissura.material.field.normal import ROOT_2_PI, hazard
 __all__ = ["Grafted"]
 
 
-
 @dataclass(frozen=True)
 class Grafted:
     """``F = 1 - exp(-(h/scale)^shape)`` up to the graft, a Gaussian core above it.
