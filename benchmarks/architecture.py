@@ -32,13 +32,13 @@ NAMES: dict[str, tuple[str, ...]] = {
     "api": ("check.check", "pages.report"),
     "calibration": ("runner.calibrate", "problem.Problem", "result.Calibration"),
     "elasticity": ("homogenise.Homogenisation", "specimen.Prism", "study.study"),
-    "study": ("runner.run_study", "measures.measure"),
+    "study": ("definition.load_study", "runner.run_study", "measures.measure"),
     "ensemble": ("runner.run_ensemble", "plan.Plan", "result.EnsembleResult"),
     "batch": ("processes.computed",),
     "reports": ("run.write_run_page", "page.rendered", "view.scene_of"),
     "running": ("run.run", "recorder.Recorder", "checkpoint.Checkpoint"),
     "pictures": ("curves.curve_figure", "crack.plot_crack", "specimen.plot_specimen"),
-    "progress": ("live.RunProgress", "live.ManyProgress"),
+    "progress": ("live.RunProgress", "time_left.TimeLeft"),
     "results": ("result.Result", "compare.compare", "curve.read_curve"),
     "simulation": ("loop.Simulation", "advance.advance", "state.State", "step.Step"),
     "adaptivity": ("CRITERIA", "RefinedRegion", "transfer_history"),
@@ -73,16 +73,6 @@ INK, LINE = "#30343b", "#5c6370"
 WIDE, HIGH, STEP, GAP, APART = 2.0, 0.56, 1.0, 0.25, 3.0
 """Of boxes: width, height, distance of rows, more of it between groups, distance of columns."""
 COLUMN = {
-    "study": -3.6,
-    "elasticity": 3.9,
-    "batch": -3.6,
-    "running": 1.25,
-    "reports": 3.9,
-    "files": 0.0,
-    "text": 3.9,
-    "arrays": -3.0,
-    "errors": 0.0,
-}
     "study": -3.6,
     "elasticity": 3.9,
     "batch": -3.6,

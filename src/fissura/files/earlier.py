@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from fissura.errors import InputError
-from fissura.files.archive import read_archive
 from fissura.files.tables import read_json
 
 __all__ = ["kind_before_marks", "names_before_marks"]
@@ -81,6 +80,8 @@ def _is_elastic(folder: Path) -> bool:
 
 
 def _is_record(path: Path) -> bool:
+    from fissura.files.archive import read_archive  # brings NumPy, and cases are read without
+
     try:
         read_archive(path, "fissura-study-run", 1)
     except InputError:
