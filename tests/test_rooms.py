@@ -50,3 +50,9 @@ def _imports_ours(node: ast.AST) -> bool:
     return isinstance(node, ast.FunctionDef) and any(
         isinstance(one, ast.ImportFrom) and (one.module or "").startswith("fissura") for one in ast.walk(node)
     )
+
+
+def test_the_page_shows_the_rooms_that_there_are() -> None:
+    command = [sys.executable, ROOT / "benchmarks" / "architecture.py", "--check", ROOT / "docs" / "architecture.md"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
