@@ -13,6 +13,7 @@ from distributed import LocalCluster
 from rich.console import Console
 from typer.testing import CliRunner
 
+from fissura.case.registry import SOLVERS
 from fissura.cli import app
 from fissura.errors import InputError
 from fissura.machine.kernel_threads import KernelThreads
@@ -27,7 +28,7 @@ from fissura.study.runner import run_study, write_result
 from .models import STUDY, write_study
 
 ONE = STUDY.replace("seeds = [1, 2]", "seeds = [1]").split('[[specimens]]\nname = "deep"')[0]
-#: One specimen and seed; the second variation is refused, as its coarse start cannot be calibrated.
+#: One specimen and seed; the second variation is refused, as its solver cannot be made.
 REFUSED = (
     ONE
     + """
@@ -35,9 +36,20 @@ REFUSED = (
 name = "default"
 [[variations]]
 name = "gone"
-change.adaptivity.criterion = "guess"
+change.solver.linear = "guess"
 """
 )
+
+
+def no_solver(*_, **__):
+    raise InputError("solver.linear", "'guess' needs a package that is not installed")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def guess():
+    SOLVERS["guess"] = no_solver
+    yield
+    del SOLVERS["guess"]
 
 
 def names(done):
@@ -67,7 +79,7 @@ def test_failures_are_kept_and_counted(finished):
     assert good.finished
     assert good.compared
     assert (bad.variation, bad.end, bad.compared) == ("gone", "refused", False)
-    assert "adaptivity.criterion" in bad.message
+    assert "solver.linear" in bad.message
     kept = Record.load(folder / "runs" / "beam" / "seed0001" / "gone.npz")
     assert (kept.status, kept.steps) == ("refused", 0)
     text = (write_result(outcome, folder), (folder / "study.md").read_text())[1]
@@ -86,7 +98,7 @@ def test_what_is_done_is_not_run_again(finished):
 def test_only_what_changed_is_run_again(finished, tmp_path):
     path, folder, _, _ = finished
     for text, expected in (
-        (REFUSED.replace('"guess"', '"utilisation"'), ["gone"]),
+        (REFUSED.replace('"guess"', '"direct"'), ["gone"]),
         (REFUSED.replace("seeds = [1]", "seeds = [1, 2]"), [FULL, "default", "gone"]),
         (REFUSED, []),
     ):
@@ -285,7 +297,7 @@ def test_command_shows_how_far_it_is(tmp_path, monkeypatch):
     lines = done.stderr.splitlines()
     name = load_study(path).study.name
     assert lines[0] == f"{name}: 3 runs"
-    assert any(line.startswith("beam, seed 1, gone: refused: adaptivity.criterion") for line in lines)
+    assert any(line.startswith("beam, seed 1, gone: refused: solver.linear") for line in lines)
     assert lines[-1].startswith("3 of 3 runs, 1 refused, ")
     assert "left" not in lines[-1]
     done = call(path, "--output", tmp_path / "out", "--again", "default")
@@ -321,7 +333,7 @@ def test_progress_estimates_the_time_left(study, monkeypatch, terminal):
 @pytest.mark.slow
 def test_processes_give_the_same_results_and_can_be_interrupted(finished, tmp_path):
     _, folder, _, _ = finished
-    write_study(tmp_path, REFUSED)
+    write_study(tmp_path, REFUSED.replace('"guess"', '"direct"'))  # other processes know no such solver
     start = [sys.executable, "-m", "fissura", "study", "study.toml", "--output", "out", "--workers", "2"]
     with subprocess.Popen(
         start,
