@@ -36,18 +36,9 @@ def evaluated(problem: Problem, found: Found, folder: Path) -> Calibration:
     warnings = tuple(_warnings(problem, found, estimates, correlation, fits))
     for text in warnings:
         _log.warning(text)
+    numbers = found.runs, found.seeds, sure.freedom
     return Calibration(
-        problem.name,
-        estimates,
-        correlation,
-        fits,
-        found.runs,
-        found.seeds,
-        sure.freedom,
-        found.converged,
-        found.move,
-        warnings,
-        folder,
+        problem.name, estimates, correlation, fits, *numbers, found.converged, found.move, warnings, folder
     )
 
 
@@ -60,20 +51,8 @@ def _estimate(unknown: Unknown, at: float, errors: tuple[float, ...], factor: fl
     at_bound = not unknown.coordinate(unknown.lower) + edge < at < unknown.coordinate(unknown.upper) - edge
     text = {"value": unknown.told(value), "low": unknown.told(low), "high": unknown.told(high)}
     text["error"] = unknown.told(float(f"{error:.2g}"))
-    return Estimate(
-        unknown.key,
-        value,
-        error,
-        low,
-        high,
-        unknown.start,
-        unknown.lower,
-        unknown.upper,
-        simulated,
-        measured,
-        text,
-        at_bound,
-    )
+    limits = unknown.start, unknown.lower, unknown.upper
+    return Estimate(unknown.key, value, error, low, high, *limits, simulated, measured, text, at_bound)
 
 
 def _fit(problem: Problem, found: Found, test: Test, of: Observed, samples: Samples, surrogate: Surrogate) -> Fit:
@@ -92,24 +71,11 @@ def _fit(problem: Problem, found: Found, test: Test, of: Observed, samples: Samp
             "peak": float(jacobian[top, k] / predicted[top]),
             "rms": float(np.sqrt(np.mean(jacobian[:, k] ** 2)) / of.peak),
         }
-    return Fit(
-        test.name,
-        test.quantity,
-        of.x,
-        of.load,
-        of.lower,
-        of.upper,
-        computed,
-        seeds,
-        predicted,
-        residual,
-        float(np.sqrt(np.mean(structures))) / of.peak,
-        inside(of, computed),
-        float(out[0].max()) / of.peak,
-        float(out[1].max()) / of.peak,
-        test.specimens,
-        sensitivity,
-    )
+    measured, simulated = (of.x, of.load, of.lower, of.upper), (computed, seeds, predicted)
+    expected = float(np.sqrt(np.mean(structures))) / of.peak
+    above, below = (float(part.max()) / of.peak for part in out)
+    shares = residual, expected, inside(of, computed), above, below
+    return Fit(test.name, test.quantity, *measured, *simulated, *shares, test.specimens, sensitivity)
 
 
 def _warnings(

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from fissura.calibration.problem import Test
 from fissura.errors import InputError
 from fissura.results.load_path import LoadPath
-from fissura.results.measured import MeasuredBand
 
 __all__ = ["POINTS", "Observed", "at_points", "observed"]
 
@@ -154,11 +153,3 @@ def at_points(path: LoadPath, x: FloatArray) -> FloatArray:
 def inside(test: Observed, load: FloatArray) -> float:
     """Share of the points at which a curve is within what was measured."""
     return float(np.mean((load >= test.lower) & (load <= test.upper)))
-
-
-def band_of(test: Test) -> MeasuredBand:
-    """What was measured, for pictures: the band or curve, or the envelope of several."""
-    if len(test.measured) == 1:
-        return test.measured[0]
-    found = observed(test)
-    return MeasuredBand(found.x, found.lower, found.upper)

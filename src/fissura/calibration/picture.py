@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fissura.pictures.curves import BLUE, LIGHT, ORANGE, fill_measured, headline, legend, tidy
+from fissura.pictures.grid import grid_of
 from fissura.results.load_path import NAMES
 from fissura.results.measured import MeasuredBand
 from fissura.text.units import scale_of
@@ -23,15 +24,10 @@ WIDE = 7.2
 
 def plot_calibration(result: Calibration) -> Figure:
     """Draw all tests of a calibration, a panel for each."""
-    columns = min(len(result.fits), 2)
-    rows = -(-len(result.fits) // columns)
-    figure = Figure(figsize=(WIDE if columns == 1 else 10.0, 4.6 * rows), layout="constrained")
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for axes, fit in zip(panels, result.fits, strict=False):
+    figure, grid, _ = grid_of(len(result.fits), (WIDE, 10.0), 4.6)
+    for axes, fit in zip(grid, result.fits, strict=True):
         draw_fit(axes, fit)
         headline(axes, fit.name, f"residual {100 * fit.residual:.1f} % of the peak, {100 * fit.inside:.0f} % inside")
-    for axes in panels[len(result.fits) :]:
-        axes.set_visible(False)
     return figure
 
 

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.batch.result import FolderResult
 from fissura.errors import InputError
-from fissura.files.folder import copied
+from fissura.files.folder import FolderKind
 from fissura.files.tables import read_json
 from fissura.results.dataframe import frame
 from fissura.text.quantities import per_cent
-from fissura.text.rows import Described
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Calibration", "Estimate", "Fit"]
 
@@ -113,7 +114,7 @@ class Fit:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Calibration(Described):
+class Calibration(FolderResult):
     """Result of a calibration.
 
     Attributes
@@ -158,6 +159,7 @@ class Calibration(Described):
     move: float
     warnings: tuple[str, ...]
     folder: Path
+    kind: ClassVar[FolderKind] = "calibration"
 
     @property
     def values(self) -> dict[str, float]:
@@ -224,36 +226,6 @@ class Calibration(Described):
         data = asdict(self)
         del data["folder"]
         return dict(_plain(data))
-
-    def save(self, folder: str | Path, *, overwrite: bool = False) -> Calibration:
-        """Copy all files to another folder, which `load` reads.
-
-        Parameters
-        ----------
-        folder : path
-            New or empty, or with an earlier calibration to be replaced.
-        overwrite : bool, optional
-            Whether it may hold an earlier calibration.
-
-        Returns
-        -------
-        Calibration
-            The same, in its new folder.
-
-        Raises
-        ------
-        InputError
-            The folder holds something else, or cannot be written.
-        OSError
-            A file cannot be written.
-
-        Examples
-        --------
-        >>> found.save("results/found again").folder.name
-        'found again'
-        """
-        target = copied(self.folder, folder, "calibration", overwrite=overwrite)
-        return Calibration.load(target)
 
     def _rows(self) -> list[tuple[str, str]]:
         rows = [("calibration", self.name)]
@@ -341,13 +313,13 @@ class Calibration(Described):
         draw_fit(ax, known[test] if test is not None else self.fits[0])
         return ax
 
-    def _repr_html_(self) -> str:
-        from fissura.calibration.picture import plot_calibration
-        from fissura.pictures.attempted import attempted
-        from fissura.pictures.html import embedded, notebook_html
+    def _notes(self) -> tuple[str, ...]:
+        return self.warnings
 
-        picture = attempted("the curves", lambda: embedded(plot_calibration(self), f"curves of {self.name}"))
-        return notebook_html([*self.table(), ("results", str(self.folder))], self.warnings, picture)
+    def _figure(self) -> tuple[Figure, str]:
+        from fissura.calibration.picture import plot_calibration
+
+        return plot_calibration(self), self.name
 
 
 def _plain(value: Any) -> Any:

@@ -39,7 +39,7 @@ from fissura.results.summary import FORMAT_VERSION, read_summary
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["RUNS", "RUNS_MORE", "calibrate", "requested"]
+__all__ = ["RUNS", "RUNS_MORE", "calibrate"]
 
 _log = logging.getLogger(__name__)
 
@@ -146,18 +146,9 @@ def calibrate(
     """
     require_packages("fissura calibrate", scheduler, "pyarrow", "jinja2")
     machines = Machines(workers, threads_per_worker, scheduler)
-    request, folder = requested(
-        case,
-        measured,
-        unknowns,
-        fixed=fixed,
-        seeds=seeds,
-        runs=runs,
-        seed=seed,
-        specimens=specimens,
-        units=units,
-        columns=columns,
-    )
+    numbers = {"seeds": seeds, "runs": runs, "seed": seed}
+    files = {"specimens": specimens, "units": list(units), "columns": list(columns)}
+    request, folder = _requested(case, measured, unknowns, fixed, numbers, files)
     problem = problem_of(request, folder)
     tests = [observed(test) for test in problem.tests]
     most = _most(problem, request)
@@ -179,22 +170,16 @@ def calibrate(
     return result
 
 
-def requested(
+def _requested(
     case: Any,
     measured: Any,
     unknowns: Any,
-    *,
     fixed: Mapping[str, Any] | None,
-    seeds: int | None,
-    runs: int | None,
-    seed: int | None,
-    specimens: int | None,
-    units: Iterable[str],
-    columns: Iterable[str],
+    numbers: Mapping[str, int | None],
+    files: Mapping[str, Any],
 ) -> tuple[Request, Path]:
     """What is asked for by arguments, and the folder to which its paths are relative."""
-    given = {"seeds": seeds, "runs": runs, "seed": seed}
-    more: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    more: dict[str, Any] = {name: value for name, value in numbers.items() if value is not None}
     is_mapping = isinstance(case, Mapping) and "test" in case
     if measured is None:
         if not is_mapping and (isinstance(case, Case | Mapping) or not is_request(Path(case))):
@@ -206,22 +191,17 @@ def requested(
             more["fixed"] = {**request.fixed, **fixed}
         if unknowns is not None:
             more["unknowns"] = _entries(unknowns)
-        for name, value in (("specimens", specimens), ("units", tuple(units)), ("columns", tuple(columns))):
+        for name, value in files.items():
             if value:
                 raise InputError(name, "is given together with a file of tests", f"{name} in its tables [[test]]")
         return _copied(request, more), folder
-    test = {
-        "case": case,
-        "measured": [measured] if isinstance(measured, str | Path) else list(measured),
-        "units": list(units),
-        "columns": list(columns),
-        **({} if specimens is None else {"specimens": specimens}),
-    }
+    given = {name: value for name, value in files.items() if value is not None}
+    test = {"case": case, "measured": [measured] if isinstance(measured, str | Path) else list(measured), **given}
     data = {"test": [test], "unknowns": _entries(unknowns), "fixed": dict(fixed or {}), **more}
     if not isinstance(case, Mapping):
         data["name"] = case.name if isinstance(case, Case) else folder_name(Path(case).stem)
     request = request_of(data)
-    if seed is None:
+    if numbers["seed"] is None:
         first = problem_of(request).tests[0].case
         request = _copied(request, {"seed": first.seed})
     return request, Path()
@@ -260,9 +240,9 @@ def _inputs(problem: Problem, request: Request, *, full: bool) -> dict[str, Any]
 
 def _begin(place: Path, problem: Problem, request: Request, *, full: bool, resume: bool) -> None:
     """Mark the folder, and write down what is asked for."""
-    own = Folder.kept(place, "calibration") if resume else Folder.begun(place, "calibration")
     from fissura.calibration.written import files_of
 
+    own = Folder.kept(place, "calibration") if resume else Folder.begun(place, "calibration")
     own.add(*_FILES, *files_of(problem).values())
     if resume:
         return

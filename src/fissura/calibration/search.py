@@ -114,7 +114,8 @@ def search(problem: Problem, tests: Sequence[Observed], simulate: Simulate, seed
     while True:
         found = state.fit(best)
         target = state.best_near(found, best, radius)
-        found = replace(found, coordinates=target, uncertainty=state.sure(found, target))
+        sure = uncertainty(problem, found.tests, found.surrogates, target)
+        found = replace(found, coordinates=target, uncertainty=sure)
         move = _move(found, target - best)
         far = float(np.linalg.norm(best - sloped)) > _FAR
         if move < _SMALL and far and state.affords(few(seeds) * len(problem.unknowns)):
@@ -176,20 +177,12 @@ class _Search:
         self.runs += len(used) * seeds * len(self.tests)
         return used
 
-    def compared(self) -> tuple[tuple[Observed, ...], tuple[Samples, ...]]:
-        """Tests and runs at the points that all runs got to; runs without any curve are left out with their seed."""
-        return compared(self.problem, self.tests, self.samples)
-
     def fit(self, centre: FloatArray) -> Found:
         """Surrogates around a centre, and how sure its coordinates are."""
-        tests, samples = self.compared()
+        tests, samples = compared(self.problem, self.tests, self.samples)
         surrogates = tuple(fitted(of, centre, test.peak) for of, test in zip(samples, tests, strict=True))
         sure = uncertainty(self.problem, tests, surrogates, centre)
         return Found(centre, centre, sure, tests, samples, surrogates, self.runs, self.seeds, False, np.inf)
-
-    def sure(self, found: Found, at: FloatArray) -> Uncertainty:
-        """How sure an estimate is."""
-        return uncertainty(self.problem, found.tests, found.surrogates, at)
 
     def best_near(self, found: Found, centre: FloatArray, radius: float) -> FloatArray:
         """The best place on the surrogate, not farther than a radius from the centre in any coordinate."""
@@ -209,7 +202,7 @@ class _Search:
 
     def cost(self, at: FloatArray) -> float:
         """Sum of the squared weighted residuals of the mean curves that were run at a place."""
-        tests, samples = self.compared()
+        tests, samples = compared(self.problem, self.tests, self.samples)
         left = residuals(self.problem, tests, [of.mean_at(at) for of in samples])
         return float(left @ left)
 
@@ -239,16 +232,9 @@ def compared(
             )
         points = np.asarray(np.isfinite(of.loads[rows]).all(axis=0))
         out_samples.append(of.chosen(rows, points))
-        out_tests.append(
-            replace(
-                test,
-                **{
-                    name: getattr(test, name)[points]
-                    for name in ("x", "load", "lower", "upper", "deviation", "emphasis")
-                },
-                curves=test.curves[:, points],
-            )
-        )
+        names = ("x", "load", "lower", "upper", "deviation", "emphasis")
+        at = {name: getattr(test, name)[points] for name in names}
+        out_tests.append(replace(test, **at, curves=test.curves[:, points]))
     return tuple(out_tests), tuple(out_samples)
 
 
