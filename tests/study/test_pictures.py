@@ -5,10 +5,9 @@ from matplotlib.image import imread
 from fissura.study.definition import Study
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
-from fissura.study.pictures import draw
+from fissura.study.pictures import draw, few
 from fissura.study.report import markdown
 from fissura.study.result import StudyResult
-from fissura.study.style import few
 
 PLAN = Study.model_validate(
     {

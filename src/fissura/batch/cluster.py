@@ -66,6 +66,11 @@ def on_cluster(
     prepare : callable, optional
         Called once in each worker.
 
+    Yields
+    ------
+    (task, result, error)
+        In the order in which they end; the error is None, or there is no result.
+
     Raises
     ------
     InputError
@@ -110,7 +115,6 @@ def _connected(scheduler: str | Cluster) -> Iterator[Client]:
 
 
 def _address(scheduler: str | Cluster) -> str:
-    """Address of a scheduler."""
     return str(getattr(scheduler, "scheduler_address", scheduler))
 
 

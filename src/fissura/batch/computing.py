@@ -77,6 +77,11 @@ def results(
     """Tasks and their results, in the order in which they end; see `compute_all`.
 
     Whoever does not take all of them must close this generator.
+
+    Yields
+    ------
+    (task, result)
+        What became of each, an error as the result that `failed` makes of it.
     """
     if machines.scheduler is not None:
         for task, result, error in on_cluster(run, tasks, machines.scheduler, prepare):

@@ -64,7 +64,7 @@ class Machines:
 
 
 def require_packages(command: str, scheduler: str | Cluster | None, *more: str) -> None:
-    """Raise InputError if what a command needs beyond a single run is not installed.
+    """Refuse a command if what it needs beyond a single run is not installed.
 
     Parameters
     ----------
@@ -74,6 +74,11 @@ def require_packages(command: str, scheduler: str | Cluster | None, *more: str) 
         Where there is one, Dask is needed.
     *more : str
         Further packages.
+
+    Raises
+    ------
+    InputError
+        A package is missing; the message says how to install it.
     """
     for package in (*more, *(() if scheduler is None else ("dask", "distributed"))):
         try:

@@ -15,7 +15,13 @@ __all__ = ["ManyProgress"]
 
 
 class ManyProgress(Live):
-    """Shows how many of many runs have ended, and about how long the others take at the pace of these."""
+    """Shows how many of many runs have ended, and about how long the others take at the pace of these.
+
+    Parameters
+    ----------
+    console : Console
+        Where to write; a moving line if it is a terminal or a notebook.
+    """
 
     def __init__(self, console: Console) -> None:
         super().__init__(console, "{task.completed:.0f} of {task.total:.0f} runs")
@@ -24,7 +30,17 @@ class ManyProgress(Live):
         self._bad: dict[str, int] = {}
 
     def begin(self, what: str, missing: int, there: int = 0, first: str = "starting workers") -> None:
-        """Say what is about to run, and start the clock: runs to do and done before; what happens until one ends."""
+        """Say what is about to run, and start the clock.
+
+        Parameters
+        ----------
+        what : str
+            What it is.
+        missing, there : int
+            Number of runs to do, and of those done before.
+        first : str, optional
+            What happens until the first of them ends.
+        """
         self.say(what + (f", {there} of them there already" if there else ""))
         self._start = self._shown = time.monotonic()
         self._total, self._before, self._done = missing + there, there, 0
@@ -32,9 +48,16 @@ class ManyProgress(Live):
             self._line.begin(first, done=there, total=self._total)
 
     def ended(self, status: str, message: str, last: str) -> None:
-        """Show how a run has ended; all but ``"finished"`` are counted.
+        """Show that a run has ended.
 
-        Something may be said at once, and something about this run in passing; both may be empty.
+        Parameters
+        ----------
+        status : str
+            How; all but ``"finished"`` are counted.
+        message : str
+            What to say at once, and not only in passing; may be empty.
+        last : str
+            About this run, in passing; may be empty.
         """
         now = time.monotonic()
         self._done += 1

@@ -34,6 +34,15 @@ def head_of(folder: Path, kind: FolderKind) -> dict[str, Any]:
 def folder_for(output: str | Path, kind: FolderKind, *, resume: bool, overwrite: bool) -> Path:
     """The folder of many runs, ready to be written to.
 
+    Parameters
+    ----------
+    output : path
+        The folder.
+    kind : {"ensemble", "calibration"}
+        What the runs are of.
+    resume, overwrite : bool
+        Whether to go on with what is there, or to replace it.
+
     Raises
     ------
     InputError

@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from fissura.cli.console import errors, print_table, say, warnings
+from fissura.cli.options import SchedulerOption
 from fissura.cli.resuming import Resumable
 from fissura.machine.interrupts import interruptible
 
@@ -20,9 +21,7 @@ def study(
     plan: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],
     output: Annotated[Path | None, typer.Option(help="Folder.", show_default="results/NAME of the file")] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Runs at the same time.", show_default="1")] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this Dask scheduler instead.")
-    ] = None,
+    scheduler: SchedulerOption = None,
     again: Annotated[
         list[str] | None,
         typer.Option(help="Run this variation once more; also: full, failures. May be given several times."),

@@ -71,10 +71,20 @@ class Band:
 
 
 def band(paths: Sequence[LoadPath]) -> Band | None:
-    """Mean curve of runs; None without any, or if one turns back and not all have dissipated energy.
+    """Mean curve of runs.
 
     Loads are interpolated linearly, as in `fissura.results.compare`: over what is controlled from the unloaded state
     on, or over energy from the last state on at which nothing was dissipated.
+
+    Parameters
+    ----------
+    paths : sequence of LoadPath
+        The runs.
+
+    Returns
+    -------
+    Band or None
+        None without runs, or if what is controlled turns back in one and not all have dissipated energy.
     """
     if not paths:
         return None
@@ -102,7 +112,13 @@ def band(paths: Sequence[LoadPath]) -> Band | None:
 def write_bands(found: Sequence[tuple[Mapping[str, float | str], Band]], path: Path) -> None:
     """Write the bands of one or several groups of runs as CSV, one below the other; nothing if there are none.
 
-    The values that a group is told by are the first columns. Bands over another quantity than the first are left out.
+    Parameters
+    ----------
+    found : sequence of (mapping, Band)
+        Each band, after the values that its group is told by: these are the first columns. All bands must be over the
+        same quantity; those that are not over that of the first are left out.
+    path : Path
+        The file.
     """
     if not found:
         return

@@ -31,9 +31,15 @@ class Convergence:
 
 
 def convergence(values: FloatArray, confidence: float = 0.95) -> Convergence:
-    """Running mean and coefficient of variation of values, shape (n,), in order of the number of the realisation.
+    """Running mean and coefficient of variation.
 
-    The order in which runs happen to end would not do: quick runs, which come first, may be the weak ones.
+    Parameters
+    ----------
+    values : (n,) array
+        In order of the number of the realisation. The order in which runs happen to end would not do: quick runs, which
+        come first, may be the weak ones.
+    confidence : float, optional
+        Level of the intervals.
     """
     values = np.asarray(values, dtype=np.float64)
     n = np.arange(2, len(values) + 1)
@@ -53,15 +59,34 @@ def convergence(values: FloatArray, confidence: float = 0.95) -> Convergence:
 def mean_interval(
     n: NDArray[np.int64], mean: FloatArray, deviation: FloatArray, confidence: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Confidence interval of the mean of ``n >= 2`` values by Student's t; the deviation is that with ``n - 1``."""
+    """Confidence interval of the mean by Student's t.
+
+    Parameters
+    ----------
+    n : array
+        Numbers of values, at least 2.
+    mean, deviation : array
+        Their means and standard deviations (with ``n - 1``).
+    confidence : float
+        Level.
+    """
     half = stdtrit(n - 1.0, 0.5 + confidence / 2.0) * deviation / np.sqrt(n)
     return mean - half, mean + half
 
 
 def cov_interval(n: NDArray[np.int64], cov: FloatArray, confidence: float) -> tuple[FloatArray, FloatArray]:
-    """Confidence interval of a coefficient of variation of ``n >= 2`` values (Vangel 1996, modified McKay).
+    """Confidence interval of a coefficient of variation (Vangel 1996, modified McKay).
 
     It is for Gaussian populations and coefficients below about 0.33. The upper bound is infinite where there is none.
+
+    Parameters
+    ----------
+    n : array
+        Numbers of values, at least 2.
+    cov : array
+        Sample coefficients of variation.
+    confidence : float
+        Level.
     """
     v, tail = n - 1.0, (1.0 - confidence) / 2.0
     bounds = []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -34,28 +36,15 @@ def plot_crack_starts(result: EnsembleResult) -> Figure | None:
         axes.plot(*1e3 * loop[np.arange(len(loop) + 1) % len(loop), :2].T, color=INK, linewidth=1.2)
     axes.plot(x, y, "o", color=ORANGE, markersize=4.5, alpha=0.6, markeredgewidth=0, label="runs", zorder=3)
     other = result.companions
-    axes.plot(
-        1e3 * other["crack_start_x_m"],
-        1e3 * other["crack_start_y_m"],
-        "x",
-        color=INK,
-        markersize=5,
-        label="deterministic" if len(other["number"]) else None,
-    )
+    label = "deterministic" if len(other["number"]) else None
+    axes.plot(1e3 * other["crack_start_x_m"], 1e3 * other["crack_start_y_m"], "x", color=INK, markersize=5, label=label)
     axes.set_aspect("equal")
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("y [mm]")
     for panel in (upper, axes):
         tidy(panel)
     axes.grid(False)
-    axes.legend(
-        fontsize=9,
-        labelcolor=INK,
-        frameon=False,
-        loc="lower right",
-        bbox_to_anchor=(1.0, 1.0),
-        ncols=2,
-        borderaxespad=0.2,
-    )
+    beside: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 2, "borderaxespad": 0.2}
+    axes.legend(fontsize=9, labelcolor=INK, frameon=False, **beside)
     headline(upper, "Where cracks started", f"{int(known.sum())} of {len(known)} runs opened a contact by G_t/f_t")
     return figure

@@ -57,9 +57,18 @@ def plot_curves(result: EnsembleResult) -> Figure | None:
 
 
 def draw_curves(result: EnsembleResult, axes: Axes, line: Mapping[str, Any], banded: Axes | None = None) -> None:
-    """Draw curves into axes, and mean and band, which may have axes of their own: then also over dissipated energy.
+    """Draw curves, mean and band into axes.
 
-    `line` are properties of the mean, or of the curves where there is none.
+    Parameters
+    ----------
+    result : EnsembleResult
+        With at least one curve.
+    axes : Axes
+        Where the curves go.
+    line : mapping
+        Properties of the mean, or of the curves where there is none.
+    banded : Axes, optional
+        Where mean and band go; by default the same axes, without those that are over the dissipated energy.
     """
     found, case = result.band, result.plan.case
     over_energy = found is not None and found.over == "dissipated energy"
@@ -102,14 +111,8 @@ def _measured(axes: Axes, case: Case, x: float, y: float) -> None:
 def _companions(axes: Axes, result: EnsembleResult, x: float, y: float) -> None:
     alone = list(result.companion_paths.values())
     if len(alone) == 1:
-        axes.plot(
-            alone[0].value * x,
-            alone[0].load * y,
-            color=INK,
-            linewidth=1.3,
-            linestyle=(0, (5, 2)),
-            label="deterministic",
-        )
+        style: dict[str, Any] = {"color": INK, "linewidth": 1.3, "linestyle": (0, (5, 2)), "label": "deterministic"}
+        axes.plot(alone[0].value * x, alone[0].load * y, **style)
     elif alone:
         _lines(axes, alone, x, y, INK, f"{len(alone)} deterministic runs", 0.3, {})
 
@@ -125,7 +128,13 @@ def _lines(
     line: Mapping[str, Any],
 ) -> None:
     for k, path in enumerate(paths):
-        style = {"color": colour, "linewidth": 0.7, "alpha": alpha, "label": label if k == 0 else None, **line}
+        style: dict[str, Any] = {
+            "color": colour,
+            "linewidth": 0.7,
+            "alpha": alpha,
+            "label": label if k == 0 else None,
+            **line,
+        }
         axes.plot(path.value * x, path.load * y, **style)
 
 
@@ -134,23 +143,14 @@ def _band(axes: Axes, found: Band, u: float, y: float, line: Mapping[str, Any]) 
     whole = found.whole
     until = int(np.flatnonzero(whole)[-1]) + 1
     for part, alpha in ((slice(0, until), 0.30), (slice(until - 1, None), 0.14)):
-        at = found.abscissa[part] * u
-        axes.fill_between(
-            at,
-            found.percentiles[0, part] * y,
-            found.percentiles[2, part] * y,
-            color=BLUE,
-            alpha=alpha,
-            linewidth=0,
-            label="5 % to 95 %" if alpha == 0.30 else None,
-            zorder=2,
-        )
-    mean = {"color": BLUE, "linewidth": 1.9, "label": "mean", "zorder": 4, **line}
+        low, _, high = found.percentiles[:, part] * y
+        style: dict[str, Any] = {"color": BLUE, "alpha": alpha, "linewidth": 0, "zorder": 2}
+        label = "5 % to 95 %" if alpha == 0.30 else None
+        axes.fill_between(found.abscissa[part] * u, low, high, label=label, **style)
+    mean: dict[str, Any] = {"color": BLUE, "linewidth": 1.9, "label": "mean", "zorder": 4, **line}
     axes.plot(found.abscissa[:until] * u, found.mean[:until] * y, **mean)
     if until < len(whole):
+        rest = slice(until - 1, None)
         label = f"mean of those left (≥ {int(found.count.min())})"
-        axes.plot(
-            found.abscissa[until - 1 :] * u,
-            found.mean[until - 1 :] * y,
-            **{"linestyle": "--", "color": BLUE, "linewidth": 1.5, **line, "label": label},
-        )
+        mean = {"linestyle": "--", "color": BLUE, "linewidth": 1.5, **line, "label": label}
+        axes.plot(found.abscissa[rest] * u, found.mean[rest] * y, **mean)

@@ -190,9 +190,23 @@ class Fit:
 
 
 def fit(family: Family, values: FloatArray, rng: np.random.Generator, confidence: float = 0.9) -> Fit | None:
-    """Fit a distribution to values, shape (n,), by maximum likelihood; bounds are bootstrapped with `rng`.
+    """Fit a distribution by maximum likelihood.
 
-    None if there are fewer than 3 different values, or if some are not positive and the family needs that.
+    Parameters
+    ----------
+    family : Family
+        `GAUSSIAN` or `WEIBULL`.
+    values : (n,) array
+        The sample.
+    rng : Generator
+        For the bootstrap.
+    confidence : float, optional
+        Level of all bounds.
+
+    Returns
+    -------
+    Fit or None
+        None if there are fewer than 3 different values, or if some are not positive and the family needs that.
     """
     values = np.sort(np.asarray(values, dtype=np.float64))
     if len(np.unique(values)) < 3 or (family is WEIBULL and values[0] <= 0.0):

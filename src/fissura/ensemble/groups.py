@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fissura.ensemble.table import Table, write_csv
+from fissura.ensemble.table import Table
 
 if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult
 
-__all__ = ["group_rows", "write_groups"]
+__all__ = ["GROUP_KINDS", "group_rows"]
+
+GROUP_KINDS = {"point": int, "runs": int, "counted": int}
+"""Columns of whole numbers."""
 
 _MEANS = ("gauge_at_peak_m", "dissipated_energy_J", "initial_stiffness_N_per_m")
 
@@ -44,8 +46,3 @@ def _row(number: int, group: EnsembleResult) -> dict[str, float | int | str]:
         "cov_peak_load": peak.get("cov", np.nan),
         **{f"mean_{name}": found.rows[name].get("mean", np.nan) for name in _MEANS},
     }
-
-
-def write_groups(groups: Sequence[EnsembleResult], path: Path) -> None:
-    """Write the table of points as CSV."""
-    write_csv(group_rows(groups), path, {"point": int, "runs": int, "counted": int})

@@ -33,6 +33,11 @@ Trace = dict[str, Any]
 def page_data(result: EnsembleResult) -> tuple[dict[str, Any], dict[str, Any]]:
     """What the JavaScript of a page draws, and what its template says of that.
 
+    Parameters
+    ----------
+    result : EnsembleResult
+        An ensemble or a parameter study.
+
     Returns
     -------
     data : dict

@@ -66,7 +66,13 @@ class Kept:
 
 
 def kept(folder: Path) -> Kept:
-    """Look through the folder of an ensemble, which may lack what it should hold."""
+    """Look through the folder of an ensemble.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; it may lack what it should hold.
+    """
     summaries: dict[Key, dict[str, Any]] = {}
     broken, strangers = {}, []
     for kind in get_args(Kind):
@@ -85,7 +91,13 @@ def kept(folder: Path) -> Kept:
 
 
 def _whole(place: Path, kind: Kind, number: int) -> dict[str, Any]:
-    """Summary of a realisation all of whose files can be read; InputError, with its path as key, if one cannot."""
+    """Summary of a realisation all of whose files can be read.
+
+    Raises
+    ------
+    InputError
+        One of them cannot; the key is its path.
+    """
     path = place / "summary.json"
     summary = read_summary(path)
     about = summary.get("realisation")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -26,41 +28,26 @@ def plot_peaks(result: EnsembleResult) -> Figure | None:
     peaks = result.peaks
     if len(peaks) < 3 or np.ptp(peaks) <= 0.0 or result.plan.vary:
         return None
-    figure, axes, scale, unit = _figure(peaks)
+    figure = Figure(figsize=(WIDE, 4.2), layout="constrained")
+    axes, (scale, unit) = figure.add_subplot(), scale_of("N", float(peaks.max()))
     values = peaks * scale
     bins = max(5, min(30, round(1.5 * np.sqrt(len(values)))))
-    axes.hist(
-        values, bins=bins, density=True, color=LIGHT, edgecolor="white", linewidth=0.8, label=f"{len(values)} runs"
-    )
+    bars: dict[str, Any] = {"color": LIGHT, "edgecolor": "white", "linewidth": 0.8}
+    axes.hist(values, bins=bins, density=True, label=f"{len(values)} runs", **bars)
     margin = 0.25 * np.ptp(values)
     x = np.linspace(max(values.min() - margin, 1e-9), values.max() + margin, 300)
     for name, fit in result.statistics.fits.items():
-        axes.plot(
-            x,
-            fit.density(x / scale) / scale,
-            color=COLOURS[name],
-            linewidth=1.6,
-            label=f"{name}, p = {fit.p_value:.2f}",
-        )
-    axes.plot(
-        values,
-        np.full(len(values), -0.02),
-        "|",
-        color=BLUE,
-        markersize=7,
-        transform=axes.get_xaxis_transform(),
-        clip_on=False,
-    )
+        label = f"{name}, p = {fit.p_value:.2f}"
+        axes.plot(x, fit.density(x / scale) / scale, color=COLOURS[name], linewidth=1.6, label=label)
+    below: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False}
+    axes.plot(values, np.full(len(values), -0.02), "|", color=BLUE, markersize=7, **below)
     _companion_line(axes, result, scale)
     axes.set_xlabel(f"peak load [{unit}]")
     axes.set_ylabel(f"density [1/{unit}]")
     tidy(axes)
     axes.tick_params(axis="x", pad=8)
-    headline(
-        axes,
-        "Peak load",
-        f"mean {text.force(float(peaks.mean()))}, CoV {text.per_cent(float(peaks.std(ddof=1) / peaks.mean()))}",
-    )
+    cov = text.per_cent(float(peaks.std(ddof=1) / peaks.mean()))
+    headline(axes, "Peak load", f"mean {text.force(float(peaks.mean()))}, CoV {cov}")
     legend(axes)
     return figure
 
@@ -88,15 +75,8 @@ def _paper(axes: Axes, fit: Fit, peaks: FloatArray, scale: float) -> None:
     low, high = fit.bounds(p)
     y = family.quantile(p)
     colour = COLOURS[family.name]
-    axes.fill_betweenx(
-        y,
-        low * scale,
-        high * scale,
-        color=colour,
-        alpha=0.18,
-        linewidth=0,
-        label=f"{100 * fit.confidence:.0f} % bounds",
-    )
+    label = f"{100 * fit.confidence:.0f} % bounds"
+    axes.fill_betweenx(y, low * scale, high * scale, color=colour, alpha=0.18, linewidth=0, label=label)
     axes.plot(fit.quantile(p) * scale, y, color=colour, linewidth=1.5, label="maximum likelihood")
     axes.plot(np.sort(peaks) * scale, family.quantile(ranks), "o", color=INK, markersize=3.2, zorder=3, label="runs")
     if family is WEIBULL:
@@ -155,24 +135,12 @@ def plot_convergence(result: EnsembleResult) -> Figure | None:
     return figure
 
 
-def _figure(peaks: FloatArray) -> tuple[Figure, Axes, float, str]:
-    figure = Figure(figsize=(WIDE, 4.2), layout="constrained")
-    scale, unit = scale_of("N", float(peaks.max()))
-    return figure, figure.add_subplot(), scale, unit
-
-
 def _companion_line(axes: Axes, result: EnsembleResult, scale: float) -> None:
     peaks = np.abs(result.companions["peak_load_N"])
     for k, peak in enumerate(peaks[np.isfinite(peaks)]):
-        alone = len(peaks) == 1
-        axes.axvline(
-            float(peak) * scale,
-            color=INK,
-            linewidth=1.3 if alone else 0.5,
-            alpha=1.0 if alone else 0.5,
-            linestyle=(0, (5, 2)),
-            label="deterministic" if k == 0 else None,
-        )
+        width, alpha = (1.3, 1.0) if len(peaks) == 1 else (0.5, 0.5)
+        style: dict[str, Any] = {"color": INK, "linewidth": width, "alpha": alpha, "linestyle": (0, (5, 2))}
+        axes.axvline(float(peak) * scale, label="deterministic" if k == 0 else None, **style)
 
 
 def _logit(p: float) -> float:

@@ -53,8 +53,20 @@ MOST_ROWS = 2000
 def write_report(result: EnsembleResult, path: Path | None = None) -> Path:
     """Write the page of an ensemble, and its pictures into the folder ``pictures``.
 
-    Curves and specimen move where the extra ``report`` is installed; elsewhere there are pictures only. By default the
-    page is ``report.html`` in the folder of the ensemble; pictures get no files of their own elsewhere.
+    Curves and specimen move where the extra ``report`` is installed; elsewhere there are pictures only.
+
+    Parameters
+    ----------
+    result : EnsembleResult
+        An ensemble; pictures that would show nothing are left out.
+    path : Path, optional
+        File to write; by default ``report.html`` in the folder of the ensemble; pictures get no files of their own
+        elsewhere.
+
+    Returns
+    -------
+    Path
+        The file.
 
     Raises
     ------

@@ -15,12 +15,12 @@ from fissura.case import case_from_dict
 from fissura.case.ensemble import lists_of_values
 from fissura.case.points import Value
 from fissura.ensemble.band import Band, band, write_bands
-from fissura.ensemble.groups import group_rows, write_groups
+from fissura.ensemble.groups import GROUP_KINDS, group_rows
 from fissura.ensemble.overview import rows_of
 from fissura.ensemble.plan import Kind, Plan
 from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.store import Store
-from fissura.ensemble.table import Table, read_table, select
+from fissura.ensemble.table import Table, read_table, select, write_csv
 from fissura.files.atomic import write_json
 from fissura.files.folder import FolderKind
 from fissura.files.tables import read_json
@@ -295,7 +295,7 @@ class EnsembleResult(FolderResult):
         bands = [(group.values, group.band) for group in self.groups]
         write_bands([(values, found) for values, found in bands if found is not None], self.folder / "mean_curve.csv")
         if self.plan.vary:
-            write_groups(self.groups, self.folder / "groups.csv")
+            write_csv(group_rows(self.groups), self.folder / "groups.csv", GROUP_KINDS)
 
     def _statistics(self) -> dict[str, Any]:
         if not self.plan.vary:

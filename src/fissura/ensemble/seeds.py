@@ -14,10 +14,22 @@ SEED_BITS = 49
 
 
 def spawned(master: int, number: int, purpose: int) -> np.random.SeedSequence:
-    """Independent stream of random numbers of a realisation, from 1, or of what belongs to all, 0, for a purpose.
+    """Independent stream of random numbers of an ensemble.
 
-    Its spawn key ``(number, purpose)`` depends on nothing else, so that realisation 7 is the same in an ensemble of 10
-    and of 1000.
+    Parameters
+    ----------
+    master : int
+        The one seed of the ensemble.
+    number : int
+        Number of the realisation, from 1; 0 for what belongs to all.
+    purpose : int
+        `NUCLEI`, `FIELD`, `STRATA` or `RESAMPLING`.
+
+    Returns
+    -------
+    SeedSequence
+        With the spawn key ``(number, purpose)``: it depends on nothing else, so that realisation 7 is the same in an
+        ensemble of 10 and of 1000.
     """
     return np.random.SeedSequence(master, spawn_key=(number, purpose))
 

@@ -91,7 +91,15 @@ class Statistics:
 
 
 def statistics(runs: Table, master: int) -> Statistics:
-    """Statistics of runs, without companions and in order of number; the bootstrap has a seed of `master`."""
+    """Statistics of the runs of an ensemble.
+
+    Parameters
+    ----------
+    runs : Table
+        Runs only, no companions, in order of number.
+    master : int
+        Seed of the ensemble; that of the bootstrap is spawned from it.
+    """
     finished = runs["status"] == "finished"
     counted = np.isfinite(runs["peak_load_N"]) & (finished | runs["past_peak"])
     peaks = np.abs(runs["peak_load_N"][counted])

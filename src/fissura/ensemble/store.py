@@ -58,10 +58,15 @@ def describe(plan: Plan) -> dict[str, Any]:
 
 
 class Store:
-    """Reads and writes the folder of an ensemble, which exists.
+    """Reads and writes the folder of an ensemble.
 
     The process that plans the ensemble is the only one to write here: results of a realisation are some ten kilobytes
     and travel back to it. So workers need no disk in common with it, and only one process can leave half a file.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; it must exist.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -79,7 +84,12 @@ class Store:
         self._write_plan(plan)
 
     def resume(self, plan: Plan) -> str:
-        """Make sure that the plan goes on with what is there; a warning if other versions computed that, else ``""``.
+        """Make sure that the plan goes on with what is there.
+
+        Returns
+        -------
+        str
+            A warning if results of another version of Fissura or of its libraries are there; else ``""``.
 
         Raises
         ------

@@ -66,11 +66,20 @@ STUDY: dict[str, type] = {"point": int, "realisation": int}
 PAST_PEAK = 0.8
 """A run is past its peak when the magnitude of its last load is at most this part of that of its peak."""
 
+#: Of each type of column: what is unknown, types of NumPy and of Arrow.
 _UNKNOWN: dict[type, Any] = {str: "", int: -1, float: math.nan, bool: False}
+_DTYPES: dict[type, type] = {str: np.str_, int: np.int64, float: np.float64, bool: np.bool_}
+_ARROW = {str: "string", int: "int64", float: "double", bool: "bool"}
 
 
 def table(summaries: Iterable[Mapping[str, Any]]) -> Table:
-    """Table of runs, from the contents of their ``summary.json``."""
+    """Table of runs.
+
+    Parameters
+    ----------
+    summaries : iterable of mapping
+        Contents of their ``summary.json``.
+    """
     rows, values = [], []
     for summary in summaries:
         rows.append(_row(summary))
@@ -85,7 +94,7 @@ def table(summaries: Iterable[Mapping[str, Any]]) -> Table:
         for row, value in zip(rows, values, strict=True)
     ]
     return {
-        name: np.array([_UNKNOWN[kind] if row.get(name) is None else row[name] for row in rows], dtype=_dtype(kind))
+        name: np.array([_UNKNOWN[kind] if row.get(name) is None else row[name] for row in rows], dtype=_DTYPES[kind])
         for name, kind in kinds.items()
     }
 
@@ -133,7 +142,14 @@ def select(rows: Table, chosen: NDArray[np.bool_]) -> Table:
 def write_csv(rows: Table, path: Path, kinds: Mapping[str, type] | None = None) -> None:
     """Write a table as CSV; what is unknown is empty.
 
-    Columns that the table of runs does not have are numbers or texts, unless `kinds` has other types for them.
+    Parameters
+    ----------
+    rows : Table
+        At least one column.
+    path : Path
+        The file.
+    kinds : mapping of str to type, optional
+        Types of columns that the table of runs does not have; by default numbers and texts.
     """
     columns = columns_of(rows) | dict(kinds or {})
     text = io.StringIO()
@@ -156,7 +172,7 @@ def write_table(rows: Table, folder: Path) -> None:
     write_csv(rows, folder / "runs.csv")
     pyarrow, parquet = _parquet()
     arrays = {
-        name: pyarrow.array([_plain(value, kind) for value in rows[name]], _arrow(kind))
+        name: pyarrow.array([_plain(value, kind) for value in rows[name]], _ARROW[kind])
         for name, kind in columns.items()
     }
     buffer = pyarrow.BufferOutputStream()
@@ -187,7 +203,7 @@ def read_table(path: str | Path) -> Table:
         if STUDY.keys() <= columns.keys():
             kinds = _with_study({name: _kind(columns[name]) for name in columns if name not in COLUMNS | STUDY})
         return {
-            name: np.array([_read(value, kind) for value in columns[name]], dtype=_dtype(kind))
+            name: np.array([_read(value, kind) for value in columns[name]], dtype=_DTYPES[kind])
             for name, kind in kinds.items()
         }
     except OSError as error:
@@ -213,14 +229,6 @@ def _parquet() -> tuple[Any, Any]:
     except ImportError as error:
         raise InputError("pyarrow", "is not installed", "pip install fissura[ensemble]") from error
     return pyarrow, pyarrow.parquet
-
-
-def _arrow(kind: type) -> str:
-    return {str: "string", int: "int64", float: "double", bool: "bool"}[kind]
-
-
-def _dtype(kind: type) -> type:
-    return {str: np.str_, int: np.int64, float: np.float64, bool: np.bool_}[kind]
 
 
 def _plain(value: Any, kind: type) -> Any:

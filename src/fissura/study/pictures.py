@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from fissura.pictures.attempted import attempted
 from fissura.pictures.curves import BLUE, DPI, GREY, INK, ORANGE, headline, tidy
@@ -21,12 +23,21 @@ from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
 from fissura.study.result import StudyResult
 from fissura.study.statistics import correlations, localisation, pareto, spread, twins
-from fissura.study.style import COLOURS, FLOOR, MARKERS, SOFT, few, plain
 
-__all__ = ["PICTURES", "draw", "plot_errors", "plot_indicators", "plot_places", "plot_tradeoff"]
+__all__ = ["PICTURES", "draw", "few", "plot_errors", "plot_indicators", "plot_places", "plot_tradeoff"]
 
 PICTURES = ("tradeoff.png", "errors.png", "indicators.png", "places.png")
 """Names of the files."""
+
+#: Colours that stay apart for the colour-blind, and markers, one pair for each variation in turn.
+COLOURS = ("#1f4e79", "#d1641b", "#3a9a78", "#8c4a8f", "#c9a227", "#5aa5d6", "#7a7f87", "#b3394a")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*")
+
+#: Colour of notes that should not catch the eye.
+SOFT = "#7a7f87"
+
+#: Errors are drawn at this one at least [%]: below it there is only the tolerance of equilibrium.
+FLOOR = 0.01
 
 _DOT: dict[str, Any] = {"linestyle": "", "marker": "o", "color": INK}
 
@@ -37,10 +48,7 @@ def _look(number: int) -> dict[str, Any]:
 
 
 def draw(result: StudyResult, folder: Path) -> list[Path]:
-    """Draw every picture for which there are runs, and that can be drawn; returns what was written.
-
-    Each function below draws one of them, and tells whether there was anything to draw.
-    """
+    """Draw every picture for which there are runs, and that can be drawn; returns what was written."""
     folder.mkdir(parents=True, exist_ok=True)
     plots = (plot_tradeoff, plot_errors, plot_indicators, plot_places)
     return [
@@ -55,6 +63,11 @@ def plot_tradeoff(result: StudyResult, path: Path) -> bool:
 
     Full markers are medians, hollow ones the worst of the runs; lines are Pareto fronts. Only specimens and seeds count
     that all variations of a panel have, and variations that could be run with all of them.
+
+    Returns
+    -------
+    bool
+        Whether there was anything to draw.
     """
     types = {name: twins(result.of(specimens)) for name, specimens in result.types().items()}
     types = {name: found for name, found in types.items() if found}
@@ -123,7 +136,13 @@ def _tradeoff(axes: Axes, found: Sequence[Measures], names: Sequence[str], look:
 
 
 def plot_errors(result: StudyResult, path: Path) -> bool:
-    """Errors of the first variation by specimen: a dot for each seed, beyond the limits in orange."""
+    """Errors of the first variation by specimen: a dot for each seed, beyond the limits in orange.
+
+    Returns
+    -------
+    bool
+        Whether there was anything to draw.
+    """
     found = [m for m in result.of(variation=result.study.variations[0].name) if m.compared]
     if not found:
         return False
@@ -156,7 +175,13 @@ def plot_errors(result: StudyResult, path: Path) -> bool:
 
 
 def plot_indicators(result: StudyResult, path: Path) -> bool:
-    """True error against every indicator, all runs; the line is the bound that covers 95 % of them."""
+    """True error against every indicator, all runs; the line is the bound that covers 95 % of them.
+
+    Returns
+    -------
+    bool
+        Whether there was anything to draw.
+    """
     found = [m for m in result.found if m.compared and m.indicators]
     if len(found) < 3:
         return False
@@ -196,7 +221,13 @@ def _points(name: str, runs: Sequence[Measures]) -> tuple[list[float], list[floa
 
 
 def plot_places(result: StudyResult, path: Path) -> bool:
-    """Position of the crack, adaptive over full, of specimens without a notch; first variation."""
+    """Position of the crack, adaptive over full, of specimens without a notch; first variation.
+
+    Returns
+    -------
+    bool
+        Whether there was anything to draw.
+    """
     variation = result.study.variations[0].name
     tests = localisation(result.of(result.free, variation))
     if not tests:
@@ -220,3 +251,24 @@ def plot_places(result: StudyResult, path: Path) -> bool:
         axes.legend(fontsize=8.5, loc="upper left", frameon=False, labelcolor=INK)
     save(figure, path, DPI)
     return True
+
+
+def plain(axis: Axis, ticks: Sequence[float] = ()) -> None:
+    """Write the numbers of a logarithmic axis out, at given ticks or at the powers of ten."""
+    axis.set_major_locator(FixedLocator(ticks) if ticks else LogLocator(10.0))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+    if ticks:
+        axis.set_minor_locator(NullLocator())
+
+
+def few(low: float, high: float) -> list[float]:
+    """Two to eight round ticks of a logarithmic axis that span an interval."""
+    for steps in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)):
+        decades = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1)
+        ticks = [float(f"{step * 10.0**decade:.3g}") for decade in decades for step in steps]
+        inside = [tick for tick in ticks if low / 1.1 <= tick <= 1.1 * high]
+        if len(inside) >= 3:
+            return inside
+    middle = math.sqrt(low * high)
+    return inside or [float(f"{middle:.2g}")]

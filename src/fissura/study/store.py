@@ -41,7 +41,17 @@ def recorded(task: Task, folder: Path) -> Record | None:
 def split(
     tasks: Iterable[Task], folder: Path, again: Collection[str] = ()
 ) -> tuple[list[tuple[Task, Record]], list[Task]]:
-    """Tasks that are done, with their records, and tasks to run; `again` are variations, `FULL` and `FAILURES`, too."""
+    """Tasks that are done, with their records, and tasks to run.
+
+    Parameters
+    ----------
+    tasks : iterable of Task
+        All tasks of a study.
+    folder : Path
+        Its folder.
+    again : collection of str
+        Names of variations to run once more; `FULL` and `FAILURES` are possible, too.
+    """
     done, left = [], []
     for task in tasks:
         record = None if task.variation in again else recorded(task, folder)
@@ -53,7 +63,13 @@ def split(
 
 
 def check_names(loaded: LoadedStudy, again: Collection[str]) -> None:
-    """Refuse names of variations that the study does not have."""
+    """Refuse names of variations that the study does not have.
+
+    Raises
+    ------
+    InputError
+        There is one.
+    """
     known = [*(variation.name for variation in loaded.study.variations), FULL, FAILURES]
     for name in again:
         if name not in known:
