@@ -26,11 +26,12 @@ from fissura.batch.machines import Machines, workers_that_fit
 from fissura.case import Case
 from fissura.cli import app
 from fissura.ensemble.outcome import Outcome, compute
-from fissura.ensemble.plan import Plan, Task
+from fissura.ensemble.plan import Plan
 from fissura.ensemble.progress import EnsembleProgress
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.runner import run_ensemble
 from fissura.ensemble.store import Store
+from fissura.ensemble.task import Task
 from fissura.errors import EnsembleStopped, InputError
 from fissura.machine.kernel_threads import KernelThreads
 from fissura.machine.threads import VARIABLE

@@ -69,7 +69,7 @@ def test_curves_with_mean_and_band(result: EnsembleResult) -> None:
         assert len(trace["x"]) == len(path.value)
     assert len(traces(data, "deterministic")) == 1
     (mean,) = traces(data, "mean", -1)
-    until = int(np.flatnonzero(band.whole)[-1]) + 1
+    until = band.until
     np.testing.assert_allclose(mean["y"] / mean["y"].max(), band.mean[:until] / band.mean[:until].max())
 
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, ValidationError
 
 from fissura.calibration.problem import Problem, Test, Unknown, dimension_of, number_of
-from fissura.case import Case, case_from_dict, load_case
+from fissura.case import Case, case_of, load_case
 from fissura.case.changed import value_at
 from fissura.case.load import read_case_file
 from fissura.case.part import Part
@@ -214,10 +214,8 @@ def _test(entry: TestEntry, request: Request, folder: Path, number: int) -> Test
 
 
 def _case(given: Any, folder: Path, key: str) -> Case:
-    if isinstance(given, Case):
-        return given
-    if isinstance(given, Mapping):
-        return case_from_dict(given)
+    if isinstance(given, Case | Mapping):
+        return case_of(given)
     if not isinstance(given, str | Path):
         raise InputError(key, f"{show(given)} is not a path", "the path of a case file")
     return load_case(folder / given)

@@ -69,6 +69,11 @@ class Band:
         """Where every run counts, shape (k,)."""
         return np.asarray(self.count == self.count.max())
 
+    @property
+    def until(self) -> int:
+        """How many points there are up to the last one at which every run counts; beyond it the mean is not fair."""
+        return int(np.flatnonzero(self.whole)[-1]) + 1
+
 
 def band(paths: Sequence[LoadPath]) -> Band | None:
     """Mean curve of runs.

@@ -140,8 +140,7 @@ def _lines(
 
 def _band(axes: Axes, found: Band, u: float, y: float, line: Mapping[str, Any]) -> None:
     """Mean and percentiles of the loads, in units of ``1/u`` and ``1/y``."""
-    whole = found.whole
-    until = int(np.flatnonzero(whole)[-1]) + 1
+    until = found.until
     for part, alpha in ((slice(0, until), 0.30), (slice(until - 1, None), 0.14)):
         low, _, high = found.percentiles[:, part] * y
         style: dict[str, Any] = {"color": BLUE, "alpha": alpha, "linewidth": 0, "zorder": 2}
@@ -149,7 +148,7 @@ def _band(axes: Axes, found: Band, u: float, y: float, line: Mapping[str, Any]) 
         axes.fill_between(found.abscissa[part] * u, low, high, label=label, **style)
     mean: dict[str, Any] = {"color": BLUE, "linewidth": 1.9, "label": "mean", "zorder": 4, **line}
     axes.plot(found.abscissa[:until] * u, found.mean[:until] * y, **mean)
-    if until < len(whole):
+    if until < len(found.abscissa):
         rest = slice(until - 1, None)
         label = f"mean of those left (≥ {int(found.count.min())})"
         mean = {"linestyle": "--", "color": BLUE, "linewidth": 1.5, **line, "label": label}

@@ -131,7 +131,7 @@ def _named_once(traces: list[Trace]) -> list[Trace]:
 
 def _band(found: Band, x: float, y: float) -> list[Trace]:
     """Mean and percentiles; dashed and paler where not every run counts any more."""
-    until = int(np.flatnonzero(found.whole)[-1]) + 1
+    until = found.until
     traces: list[Trace] = []
     for part, alpha in ((slice(0, until), 0.35), (slice(until - 1, None), 0.15)):
         at = found.abscissa[part] * x

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
-from fissura.ensemble.plan import Key, Kind
+from fissura.ensemble.task import Key, Kind
 from fissura.errors import InputError
 from fissura.files.tables import read_json
 from fissura.files.text import read_bytes

@@ -15,7 +15,7 @@ from fissura.results.curve import Curve
 from fissura.running.run import run as run_case
 
 if TYPE_CHECKING:
-    from fissura.ensemble.plan import Task
+    from fissura.ensemble.task import Task
     from fissura.results import Result
     from fissura.simulation.step import Step
 

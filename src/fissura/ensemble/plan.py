@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,35 +13,16 @@ from scipy.special import ndtri
 
 from fissura.case import Case
 from fissura.case.ensemble import COMBINE, Combine, Varied
-from fissura.case.points import Point, Value, points_of
+from fissura.case.points import Point, points_of
 from fissura.case.types import whole
 from fissura.case.units import show
 from fissura.ensemble.seeds import FIELD, NUCLEI, STRATA, seed_of, spawned
+from fissura.ensemble.task import Companions, Key, Kind, Mode, Sampling, Task
 from fissura.errors import InputError
 
-__all__ = [
-    "LEADING_MODES",
-    "MOST_RUNS",
-    "Companions",
-    "Key",
-    "Kind",
-    "Mode",
-    "Plan",
-    "Sampling",
-    "Task",
-    "whole_number",
-]
+__all__ = ["LEADING_MODES", "MOST_RUNS", "Plan", "whole_number"]
 
 FloatArray = NDArray[np.float64]
-
-Mode = Literal["geometry", "field", "both"]
-"""What is random: the nuclei, the field of material, or both."""
-
-Sampling = Literal["monte-carlo", "latin-hypercube"]
-Companions = Literal["one", "each", "none"]
-Kind = Literal["run", "companion"]
-Key = tuple[Kind, int]
-"""What tells runs of an ensemble apart: kind and number."""
 
 MOST_RUNS = 100_000
 """Largest number of realisations: each has a folder of its own, and the tables are in memory as a whole."""
@@ -51,44 +32,6 @@ _MOST_STRATA = 10_000_000
 
 LEADING_MODES = 10
 """Modes of the field that Latin hypercube sampling stratifies unless told otherwise."""
-
-
-@dataclass(frozen=True)
-class Task:
-    """One run to be computed.
-
-    Attributes
-    ----------
-    number : int
-        Of the realisation, from 1; 0 for the companion of them all.
-    kind : {"run", "companion"}
-        Whether it belongs to the ensemble or is computed for comparison.
-    case : Case
-        What to compute.
-    full, keep : bool
-        Full resolution; all the files of a run.
-    realisation : int
-        Which realisation of its point it is, from 1; 0 for the companion of them all. Without varied keys it is the
-        number.
-    point : int
-        Number of the point of a parameter study, from 0.
-    values : dict of str to float or str
-        Values of the varied keys there.
-    """
-
-    number: int
-    kind: Kind
-    case: Case
-    full: bool = False
-    keep: bool = False
-    realisation: int = 0
-    point: int = 0
-    values: dict[str, Value] = field(default_factory=dict)
-
-    @property
-    def key(self) -> Key:
-        """What tells tasks of an ensemble apart."""
-        return self.kind, self.number
 
 
 @dataclass(frozen=True)

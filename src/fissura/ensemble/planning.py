@@ -11,7 +11,8 @@ from pydantic import ValidationError
 from fissura.case import Case, Ensemble
 from fissura.case.ensemble import Combine, Varied
 from fissura.case.report import input_error
-from fissura.ensemble.plan import LEADING_MODES, Companions, Mode, Plan, Sampling
+from fissura.ensemble.plan import LEADING_MODES, Plan
+from fissura.ensemble.task import Companions, Mode, Sampling
 from fissura.errors import InputError
 from fissura.material import field_from_case
 

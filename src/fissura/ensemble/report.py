@@ -28,8 +28,8 @@ from fissura.results.summary import read_summary
 from fissura.text import quantities as text
 
 if TYPE_CHECKING:
-    from fissura.ensemble.plan import Kind
     from fissura.ensemble.result import EnsembleResult
+    from fissura.ensemble.task import Kind
 
 __all__ = ["write_report"]
 

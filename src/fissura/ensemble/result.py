@@ -17,10 +17,11 @@ from fissura.case.points import Value
 from fissura.ensemble.band import Band, band, write_bands
 from fissura.ensemble.groups import GROUP_KINDS, group_rows
 from fissura.ensemble.overview import rows_of
-from fissura.ensemble.plan import Kind, Plan
+from fissura.ensemble.plan import Plan
 from fissura.ensemble.statistics import Statistics, statistics
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import Table, read_table, select, write_csv
+from fissura.ensemble.task import Kind
 from fissura.files.atomic import write_json
 from fissura.files.folder import FolderKind
 from fissura.files.tables import read_json

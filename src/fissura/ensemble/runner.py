@@ -12,15 +12,16 @@ from fissura.batch.cluster import check_scheduler
 from fissura.batch.computing import compute_all
 from fissura.batch.machines import Machines, require_packages, workers_that_fit
 from fissura.batch.resuming import folder_for
-from fissura.case import Case, case_from_dict, load_case
+from fissura.case import Case, case_of
 from fissura.case.ensemble import Combine
 from fissura.ensemble.outcome import Outcome, compute
-from fissura.ensemble.plan import Companions, Mode, Plan, Sampling, Task
+from fissura.ensemble.plan import Plan
 from fissura.ensemble.planning import planned
 from fissura.ensemble.report import write_report
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.store import Store
 from fissura.ensemble.table import table, write_table
+from fissura.ensemble.task import Companions, Mode, Sampling, Task
 from fissura.errors import FissuraError
 from fissura.simulation.memory import require_memory
 
@@ -130,9 +131,8 @@ def run_ensemble(
     2
     """
     require_packages("fissura ensemble", scheduler, "pyarrow", "jinja2")
-    case = case_from_dict(case) if isinstance(case, Mapping) else case if isinstance(case, Case) else load_case(case)
     plan = planned(
-        case,
+        case_of(case),
         runs,
         vary=vary,
         combine=combine,

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from fissura.batch.resuming import check_same, head_of
 from fissura.ensemble.kept import FOLDERS, Kept, kept
-from fissura.ensemble.plan import Kind, Plan
+from fissura.ensemble.plan import Plan
+from fissura.ensemble.task import Kind
 from fissura.files.atomic import part_of, sync_folder, write_atomically, write_json
 from fissura.files.folder import Folder
 from fissura.results.curve import COLUMNS

@@ -56,9 +56,8 @@ def curves_by_value(result: EnsembleResult, axes: Axes, line: Mapping[str, Any])
             name = label if j == 0 and not mean else None
             axes.plot(path.value * x, path.load * y, **{**style, "label": name, **line})
         if mean and found is not None:
-            until = int(np.flatnonzero(found.whole)[-1]) + 1  # beyond it some runs have ended: no fair mean any more
             style = {"color": colour, "linewidth": 1.9, "zorder": 3, **line}
-            axes.plot(found.abscissa[:until] * x, found.mean[:until] * y, **{"label": label, **style})
+            axes.plot(found.abscissa[: found.until] * x, found.mean[: found.until] * y, **{"label": label, **style})
     axes.set_xlabel(f"{value_axis(case, case.quantity)} [{x_unit}]")
     axes.set_ylabel(f"{load_name(case)} [{y_unit}]")
     axes.set_xlim(left=min(0.0, 1.02 * x * min(float(path.value.min()) for path in paths.values())))

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 from fissura.case import Case
 from fissura.case.ensemble import Combine
 from fissura.case.types import whole
-from fissura.ensemble.plan import Mode, Plan
+from fissura.ensemble.plan import Plan
 from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.runner import run_ensemble
+from fissura.ensemble.task import Mode
 from fissura.errors import InputError
 
 if TYPE_CHECKING:

@@ -144,6 +144,8 @@ def measure(adaptive: Record, full: Record) -> Measures:
     after = found.at_max_difference > full.curve[key][peak_at]
     load_there = float(np.interp(found.at_max_difference, found.abscissa, found.load_b) / found.peaks[1])
     summary = adaptive.summary
+    names = ("bodies_start", "bodies_end", "bodies_full", "refinements")
+    counts: dict[str, Any] = {name: int(summary[name]) for name in names}
     cpu, cpu_full = float(summary["cpu_s"]), float(full.summary["cpu_s"])
     return Measures(
         *head,
@@ -158,10 +160,7 @@ def measure(adaptive: Record, full: Record) -> Measures:
         overlap=overlap(adaptive.energies, full.energies),
         position=crack_position(adaptive.energies),
         position_full=crack_position(full.energies),
-        bodies_start=int(summary["bodies_start"]),
-        bodies_end=int(summary["bodies_end"]),
-        bodies_full=int(summary["bodies_full"]),
-        refinements=int(summary["refinements"]),
+        **counts,
         cpu=cpu,
         cpu_full=cpu_full,
         cpu_ratio=cpu_full / cpu,
