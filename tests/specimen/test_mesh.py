@@ -168,7 +168,7 @@ def test_meshes_that_cannot_be_used(domain, tmp_path, kind, problem):
 
 
 def test_too_many_tetrahedra(domain, tmp_path, monkeypatch):
-    monkeypatch.setattr(mesh_shape, "MOST", 10)
+    monkeypatch.setattr(mesh_shape, "MOST_TETRAHEDRA", 10)
     x, tets = cube(3)
     meshio.write(tmp_path / "cube.vtu", meshio.Mesh(0.1 * x, [("tetra", tets)]))
     with pytest.raises(InputError, match="48 tetrahedra") as caught:

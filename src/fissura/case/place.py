@@ -72,6 +72,11 @@ class Patch(Part):
         return (self.face,) if self.face is not None else self.on or ()
 
     @property
+    def told(self) -> str:
+        """The same for messages."""
+        return ", ".join(repr(name) for name in self.surfaces)
+
+    @property
     def naming(self) -> str:
         """The key that names them."""
         return "face" if self.face is not None else "on"

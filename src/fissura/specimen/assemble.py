@@ -7,17 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.specimen.complex import Complex
 from fissura.specimen.planar import Flat, Lines, Piece
 from fissura.specimen.planes import Face
 from fissura.specimen.solid import Solid
 
 __all__ = ["UNNAMED", "Part", "complex_of", "parts_of"]
-
-FloatArray = NDArray[np.float64]
 
 #: Surface of whatever has no name.
 UNNAMED = "surface"
@@ -212,5 +210,5 @@ def complex_of(solid: Solid) -> tuple[Complex, tuple[str, ...]]:
     return built, tuple(surfaces)
 
 
-def _starts(counts: Sequence[int]) -> NDArray[np.int64]:
+def _starts(counts: Sequence[int]) -> IntArray:
     return np.concatenate([[0], np.cumsum(np.asarray(counts, dtype=np.int64))]).astype(np.int64)

@@ -15,6 +15,7 @@ from fissura.specimen.assemble import complex_of
 from fissura.specimen.convex import Degenerate
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.domain import Domain
+from fissura.specimen.limits import FARTHEST
 from fissura.specimen.shapes.box import box
 from fissura.specimen.shapes.cylinder import cylinder
 from fissura.specimen.shapes.mesh import mesh
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
     from fissura.case.shape import Specimen, Void
 
 __all__ = ["box_of", "cylinder_of", "domain_from_case", "mesh_of", "outline_of"]
-
-_FARTHEST = 1e4
 
 
 def box_of(part: Specimen, l_f: float) -> Solid:
@@ -119,9 +118,9 @@ def _built(
 def _check_size(solid: Solid, l_f: float, key: str) -> None:
     """A length that leaves no room for one body is wrong, and coordinates that round-off would blur."""
     far = float(np.abs(solid.planes.centre).max())
-    if far > _FARTHEST * solid.extent:
+    if far > FARTHEST * solid.extent:
         problem = f"its middle is {far:.4g} m from the origin, and it is {solid.extent:.4g} m large"
-        raise InputError(key, problem, f"coordinates of at most {_FARTHEST:g} times its size")
+        raise InputError(key, problem, f"coordinates of at most {FARTHEST:g} times its size")
     if l_f > solid.extent:
         raise InputError(
             "discretization.l_f",

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from fissura.arrays import BoolArray, FloatArray, IntArray
 
 __all__ = ["Complex"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class Complex(NamedTuple):
@@ -71,7 +67,7 @@ class Complex(NamedTuple):
     normal: FloatArray
     offset: FloatArray
     plane_id: IntArray
-    opens: NDArray[np.bool_]
+    opens: BoolArray
     part_start: IntArray
     part_to: IntArray
     edge_start: IntArray

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.case.programme import GRAVITY
 from fissura.case.registry import SUPPORTS
 from fissura.errors import InputError
@@ -32,9 +32,6 @@ __all__ = [
     "conditions_from_case",
     "load_direction",
 ]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -180,14 +177,10 @@ class Conditions:
 
 def _check_stability(supports: list[Functional], centre: FloatArray, size: float) -> None:
     """The supports, and what guides platens, must stop all six rigid motions."""
-    rows = np.array(
-        [
-            np.concatenate(
-                [f.coefficients.sum(axis=0), np.cross((f.points - centre) / size, f.coefficients).sum(axis=0)]
-            )
-            for f in supports
-        ]
-    ).reshape(-1, 6)
+    rows = np.empty((len(supports), 6))
+    for row, f in zip(rows, supports, strict=True):
+        row[:3] = f.coefficients.sum(axis=0)
+        row[3:] = np.cross((f.points - centre) / size, f.coefficients).sum(axis=0)
     rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
     singular = np.linalg.svd(rows, compute_uv=False)
     if len(singular) < 6 or singular[-1] < 1e-6:

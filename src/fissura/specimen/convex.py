@@ -6,20 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import compiled_when_large, njit
+from fissura.specimen.limits import IN_PLANE, NO_AREA, SHARP
 from fissura.specimen.planes import Face, Planes
 from fissura.specimen.polyhedron import TOO_SHORT, box, cut, following
 
 __all__ = ["Convex", "Degenerate", "area_vector", "clipped", "clipped_by", "loops_of"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-_IN_PLANE = 1e-11  # of the extent: a plane that cuts off less only touches
-_NO_AREA = 1e-12  # of the extent squared
-_SHARP = 1e-3  # volume that three unit normals span: planes that span less meet in no definite point
 
 
 class Degenerate(ValueError):
@@ -137,7 +131,7 @@ def _settle(corner, face, normal, offset, rank, nearest):  # type: ignore[no-unt
                 place[a] += d[k] * u
                 if k == 0:
                     det += n[0, a] * u
-        if abs(det) < _SHARP:
+        if abs(det) < SHARP:
             continue
         off = 0.0
         for a in range(3):
@@ -212,7 +206,7 @@ class Convex:
         faces = tuple(dict.fromkeys(faces))
         while True:
             normal, offset = planes.half_spaces(faces)
-            corner, twin, face = _intersection(low, high, normal, offset, _IN_PLANE * planes.extent)
+            corner, twin, face = _intersection(low, high, normal, offset, IN_PLANE * planes.extent)
             if corner.shape[1] == 0:
                 return None
             if (face.reshape(-1, 4)[:, :3] < 0).any():
@@ -221,7 +215,7 @@ class Convex:
             _settle(corner, face, normal, offset, rank, planes.tolerance)
             out = cls(faces, corner, twin, face)
             area = np.array([np.linalg.norm(area_vector(p)) if len(p) else 0.0 for p in out.polygons])
-            used = np.flatnonzero(area > _NO_AREA * planes.extent**2)
+            used = np.flatnonzero(area > NO_AREA * planes.extent**2)
             if len(used) == len(faces):
                 return out
             if len(used) < 4:

@@ -6,21 +6,13 @@ from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import compiled_when_large, njit
-from fissura.specimen.planes import SAME
+from fissura.specimen.limits import LEAST_SIDE, MOST_LEVELS, SAME
 from fissura.specimen.surface_part import SurfacePart
 
 __all__ = ["outline_of", "smallest_section_of"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-#: Share of the volume that a section must leave on either side: ends of a cylinder seen from its side are no sections.
-LEAST_SIDE = 0.1
-
-_MOST_LEVELS = 400
 
 
 @compiled_when_large(lambda *given: len(given[0]) * len(given[2]), 500_000)
@@ -83,8 +75,8 @@ def _smallest_along(
     turned = np.ascontiguousarray(points[:, [(axis + 1) % 3, (axis + 2) % 3, axis]])
     levels = np.unique(turned[:, 2])
     levels = levels[np.concatenate([[True], np.diff(levels) > tolerance])]
-    if len(levels) > _MOST_LEVELS:
-        levels = levels[np.linspace(0, len(levels) - 1, _MOST_LEVELS).astype(int)]
+    if len(levels) > MOST_LEVELS:
+        levels = levels[np.linspace(0, len(levels) - 1, MOST_LEVELS).astype(int)]
     step = np.diff(levels)
     at = levels[:-1, None] + step[:, None] * np.array([0.25, 0.5, 0.75])
     f = _areas(turned, start, at.ravel()).reshape(-1, 3)

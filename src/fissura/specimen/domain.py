@@ -6,21 +6,19 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.errors import Notice
 from fissura.specimen.complex import Complex
 from fissura.specimen.convex import area_vector, clipped_by, loops_of
 from fissura.specimen.cross_sections import outline_of, smallest_section_of
+from fissura.specimen.limits import ON_SURFACE, SAME
 from fissura.specimen.locate import Locator
 from fissura.specimen.notches import Notch
-from fissura.specimen.planes import SAME, unit
+from fissura.specimen.planes import unit
 from fissura.specimen.surface_part import SurfacePart
 
 __all__ = ["Domain"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +53,11 @@ class Domain:
         out: FloatArray = self.bounds[1] - self.bounds[0]
         return out
 
+    @property
+    def on_surface(self) -> float:
+        """How near to a flat surface points are on it [m]."""
+        return ON_SURFACE * self.complex.extent
+
     @cached_property
     def volume(self) -> float:
         """Volume [m^3]."""
@@ -69,9 +72,9 @@ class Domain:
             out[k] = sum(float(area_vector(p) @ (p[0] - inner)) for p in polygons) / 3.0
         return out
 
-    def contains(self, x: FloatArray) -> NDArray[np.bool_]:
+    def contains(self, x: FloatArray) -> BoolArray:
         """Whether points lie in the material or on its surface; shape (n, 3) -> (n,)."""
-        out: NDArray[np.bool_] = self.cell_of(x) >= 0
+        out: BoolArray = self.cell_of(x) >= 0
         return out
 
     def cell_of(self, x: FloatArray) -> IntArray:

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import Notice
+from fissura.specimen.limits import FACING, ROUND_OFF
 from fissura.specimen.notches import SURFACE
 from fissura.specimen.place import place_from_part
-from fissura.specimen.surface import ON_SURFACE, distances
-from fissura.specimen.thin import FACING
+from fissura.specimen.surface import distances
 
 if TYPE_CHECKING:
     from fissura.case import Case
@@ -20,10 +20,6 @@ if TYPE_CHECKING:
     from fissura.specimen.domain import Domain
 
 __all__ = ["edge_notices"]
-
-FloatArray = NDArray[np.float64]
-
-_ROUND_OFF = 1e-9
 
 
 def edge_notices(case: Case, domain: Domain) -> Iterator[Notice]:
@@ -37,7 +33,7 @@ def edge_notices(case: Case, domain: Domain) -> Iterator[Notice]:
     named += [(load.key, load.part) for load in case.named_loads]
     for key, part in named:
         distance = _distance(part, domain, l_f, key)
-        if distance < l_f * (1.0 - _ROUND_OFF):
+        if distance < l_f * (1.0 - ROUND_OFF):
             yield Notice(
                 f"{key}.{'at' if part.point is None else 'point'}",
                 f"its middle is {1e3 * distance:.3g} mm from an edge, less than one body, l_f = {1e3 * l_f:.4g} mm:"
@@ -70,10 +66,10 @@ def _distance(part: PatchPart, domain: Domain, l_f: float, key: str) -> float:
 
 def _reach(domain: Domain, names: Sequence[str], x: FloatArray, normal: FloatArray, way: FloatArray) -> float:
     """How far flat ground goes on from a point of a surface [m]."""
-    tolerance = ON_SURFACE * domain.complex.extent
+    tolerance = domain.on_surface
     spans = []
     for part in domain.faces(*names):
-        if part.normal @ normal < 1.0 - _ROUND_OFF or abs((x - part.polygon[0]) @ normal) > tolerance:
+        if part.normal @ normal < 1.0 - ROUND_OFF or abs((x - part.polygon[0]) @ normal) > tolerance:
             continue
         outwards = np.cross(np.roll(part.polygon, -1, axis=0) - part.polygon, part.normal)
         rate, gap = outwards @ way, np.einsum("ka,ka->k", outwards, part.polygon - x)

@@ -11,7 +11,6 @@ from fissura.errors import InputError
 from fissura.specimen.domain import Domain
 from fissura.specimen.functional import Functional, mean_displacement
 from fissura.specimen.place import Place, place_from_part
-from fissura.specimen.surface import ON_SURFACE
 
 if TYPE_CHECKING:
     from fissura.case import Gauge, Patch
@@ -91,7 +90,7 @@ def opening(part: Gauge, place: Places) -> Functional:
     assert part.a is not None
     assert part.b is not None
     a, b = place(part.a, "a"), place(part.b, "b")
-    near = 1e-3 * ON_SURFACE * place.domain.complex.extent
+    near = 1e-3 * place.domain.on_surface
     if a.points.shape == b.points.shape and np.allclose(a.points, b.points, rtol=0.0, atol=near):
         raise InputError(f"{place.key}.b", f"is the same place as {place.key}.a", "another place")
     if part.direction is None:

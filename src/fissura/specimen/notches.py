@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fissura.arrays import FloatArray
 
 __all__ = ["SURFACE", "Notch", "Slot"]
-
-FloatArray = NDArray[np.float64]
 
 #: Surface of all notches.
 SURFACE = "notch"

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.errors import InputError
 from fissura.specimen.domain import Domain
+from fissura.specimen.limits import NO_COMPONENT, SAMPLES
 from fissura.specimen.notches import SURFACE, Notch
 from fissura.specimen.planes import unit
 from fissura.specimen.samples import (
-    SAMPLES,
     Sample,
     along_of,
     at_coordinate,
@@ -24,18 +24,13 @@ from fissura.specimen.samples import (
     over,
     strip_facing,
 )
-from fissura.specimen.surface import ON_SURFACE, distances, surface_parts
+from fissura.specimen.surface import distances, surface_parts
 from fissura.specimen.surface_part import SurfacePart
 
 if TYPE_CHECKING:
     from fissura.case import Patch as PatchPart
 
 __all__ = ["Place", "place_from_part"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-_NO_NORMAL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +71,7 @@ class Place:
     def outward(self) -> FloatArray | None:
         """Unit vector of the mean normal, shape (3,); None where normals cancel each other."""
         mean: FloatArray = self.weights @ self.normals
-        return unit(mean) if np.linalg.norm(mean) > _NO_NORMAL else None
+        return unit(mean) if np.linalg.norm(mean) > NO_COMPONENT else None
 
     @property
     def hinge(self) -> FloatArray | None:
@@ -85,7 +80,7 @@ class Place:
         if outward is None:
             return None
         out = np.cross(self.along, outward)
-        return unit(out) if np.linalg.norm(out) > _NO_NORMAL else None
+        return unit(out) if np.linalg.norm(out) > NO_COMPONENT else None
 
 
 def place_from_part(part: PatchPart, domain: Domain, l_f: float, key: str) -> Place:
@@ -133,8 +128,7 @@ def _looking(part: PatchPart, parts: Sequence[SurfacePart], key: str) -> tuple[S
     """Those parts that look a given way, within 60 degrees."""
     found = tuple(p for p in parts if p.normal @ np.asarray(part.toward) > 0.5)
     if not found:
-        names = ", ".join(repr(name) for name in part.surfaces)
-        raise InputError(key, f"nothing of the surface {names} looks that way", "a direction out of the specimen")
+        raise InputError(key, f"nothing of the surface {part.told} looks that way", "a direction out of the specimen")
     return found
 
 
@@ -150,21 +144,21 @@ def _check_one_side(part: PatchPart, domain: Domain, parts: Sequence[SurfacePart
 
 def _is_wall(part: SurfacePart, notch: Notch, domain: Domain) -> bool:
     """Whether a part is a side of an ideal cut."""
-    flat = abs(part.normal @ notch.normal) > 1.0 - _NO_NORMAL
+    flat = abs(part.normal @ notch.normal) > 1.0 - NO_COMPONENT
     off = float(np.abs(notch.across(part.polygon)).max())
-    return bool(flat and off <= ON_SURFACE * domain.complex.extent and notch.ahead(part.polygon.mean(axis=0)) < 0.0)
+    return bool(flat and off <= domain.on_surface and notch.ahead(part.polygon.mean(axis=0)) < 0.0)
 
 
 def _checked(sample: Sample, domain: Domain) -> Place:
     """The place without points in the plane of an ideal cut, which neither side owns."""
     clear = np.ones(len(sample.points), bool)
-    tolerance = ON_SURFACE * domain.complex.extent
+    tolerance = domain.on_surface
     for notch in domain.notches:
         if notch.width > 0.0:
             continue
         near = (np.abs(notch.across(sample.points)) <= tolerance) & (notch.ahead(sample.points) <= tolerance)
-        near &= np.abs(sample.normals @ notch.normal) < 1.0 - _NO_NORMAL  # its own sides know their cells
-        walls = [p for p in domain.faces(SURFACE) if abs(p.normal @ notch.normal) > 1.0 - _NO_NORMAL]
+        near &= np.abs(sample.normals @ notch.normal) < 1.0 - NO_COMPONENT  # its own sides know their cells
+        walls = [p for p in domain.faces(SURFACE) if abs(p.normal @ notch.normal) > 1.0 - NO_COMPONENT]
         for k in np.flatnonzero(near):
             clear[k] &= distances(walls, sample.points[k])[0].min() > tolerance
     if not clear.any():

@@ -8,11 +8,10 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fissura.arrays import FloatArray
 
 __all__ = ["Edge", "Flat", "Lines", "Piece", "area_of"]
-
-FloatArray = NDArray[np.float64]
 
 #: A line, and the side of it, +1 or -1, to which the outward normal points.
 Edge: TypeAlias = tuple[int, int]

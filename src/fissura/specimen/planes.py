@@ -5,19 +5,15 @@ from __future__ import annotations
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-__all__ = ["SAME", "Face", "Planes", "opposite"]
+from fissura.arrays import FloatArray
+from fissura.specimen.limits import CLEAN, SAME
 
-FloatArray = NDArray[np.float64]
+__all__ = ["Face", "Planes", "opposite"]
 
 #: A plane and the side of it, +1 or -1, to which the outward normal of a face in it points.
 Face: TypeAlias = tuple[int, int]
-
-#: Lengths below this share of the extent of the whole are round-off.
-SAME = 1e-9
-
-_CLEAN = 1e-14  # components of unit vectors below it are zero
 
 
 def opposite(face: Face) -> Face:
@@ -39,7 +35,7 @@ def unit(vector: ArrayLike) -> FloatArray:
         raise ValueError("a direction has no length")
     out = out / largest
     out = out / np.linalg.norm(out)
-    out[np.abs(out) < _CLEAN] = 0.0
+    out[np.abs(out) < CLEAN] = 0.0
     cleaned: FloatArray = out / np.linalg.norm(out)
     return cleaned
 

@@ -9,8 +9,8 @@ that stay, so the boundary between them is a single loop of edges and becomes th
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import IntArray
 from fissura.kernels import INNER, njit
 
 __all__ = ["TOO_SHORT", "UNCUT", "box", "cut", "farthest", "following"]
@@ -18,7 +18,7 @@ __all__ = ["TOO_SHORT", "UNCUT", "box", "cut", "farthest", "following"]
 UNCUT, TOO_SHORT = -1, -2
 
 
-def _box_tables() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _box_tables() -> tuple[IntArray, IntArray]:
     """Edges of a box whose corner ``v`` lies on the upper side of axis ``a`` where bit ``a`` of ``v`` is set."""
     twin, face = np.full(32, -1, np.int64), np.full(32, -1, np.int64)
     axes = [(0, 1, 2) if v.bit_count() % 2 else (0, 2, 1) for v in range(8)]

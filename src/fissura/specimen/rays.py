@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.complex import Complex
 
 __all__ = ["distance_to_surface"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @compiled_when_large(lambda *given: len(given[0]), 1000)

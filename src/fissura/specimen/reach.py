@@ -7,19 +7,16 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.specimen.convex import clipped
+from fissura.specimen.limits import ON_SURFACE
 from fissura.specimen.notches import Notch, Slot
 from fissura.specimen.planes import Face, opposite, unit
 from fissura.specimen.solid import Cell, Solid
 
 __all__ = ["Door", "Plan", "heights", "planned"]
-
-FloatArray = NDArray[np.float64]
-
-_INSIDE = 1e-6  # of the extent: points nearer to a cell are in it
 
 #: Two cells, and a polygon (k, 3) in which they are open to each other.
 Door: TypeAlias = tuple[tuple[int, int], FloatArray]
@@ -141,7 +138,7 @@ def _connected(start: set[int], links: Iterable[tuple[int, int]], among: set[int
 
 def _holds(solid: Solid, cell: Cell, point: FloatArray) -> bool:
     normal, offset = solid.planes.half_spaces(cell.shape.faces)
-    return bool((normal @ point - offset).max() <= _INSIDE * solid.extent)
+    return bool((normal @ point - offset).max() <= ON_SURFACE * solid.extent)
 
 
 def _ruled(
@@ -181,7 +178,7 @@ def _section(solid: Solid, cell: Cell, mid: Face) -> FloatArray:
 
 def _spans(solid: Solid, cells: Iterable[Cell], point: FloatArray, direction: FloatArray) -> list[tuple[float, float]]:
     """Where a line is inside cells: intervals of its length, measured from a point [m]."""
-    slack = _INSIDE * solid.extent
+    slack = ON_SURFACE * solid.extent
     out = []
     for cell in cells:
         normal, offset = solid.planes.half_spaces(cell.shape.faces)
@@ -205,7 +202,7 @@ def _front(solid: Solid, cut: set[int], tip: FloatArray, along: FloatArray) -> F
 
 def _check_room(solid: Solid, slot: Slot, direction: FloatArray) -> None:
     """The notch must begin on the surface of the specimen and end inside."""
-    slack = _INSIDE * solid.extent
+    slack = ON_SURFACE * solid.extent
     room = 0.0
     for low, high in _spans(solid, solid.cells, slot.at, direction):
         if low > room + slack + (slot.slack if room == 0.0 else 0.0):

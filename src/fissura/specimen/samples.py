@@ -7,30 +7,23 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.errors import InputError
 from fissura.specimen.convex import clipped_by
 from fissura.specimen.domain import Domain
+from fissura.specimen.limits import NO_COMPONENT, SAMPLES
 from fissura.specimen.planes import unit
 from fissura.specimen.sampling import sampled_interval, sampled_polygon
 from fissura.specimen.shapes.prism import AXES, box_half_spaces
-from fissura.specimen.surface import ON_SURFACE, as_text, distances, is_curved, slack_of
+from fissura.specimen.surface import as_text, distances, is_curved, slack_of
 from fissura.specimen.surface_part import SurfacePart
 from fissura.specimen.traces import Trace, traces_at
 
 if TYPE_CHECKING:
     from fissura.case import Patch as PatchPart
 
-__all__ = ["SAMPLES", "Sample", "along_of", "at_coordinate", "at_points", "in_box", "on_line", "over", "strip_facing"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-#: Sample points of a place in the spacing of fine nuclei, at least.
-SAMPLES = 5.0
-
-_NO_NORMAL = 1e-6
+__all__ = ["Sample", "along_of", "at_coordinate", "at_points", "in_box", "on_line", "over", "strip_facing"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +71,8 @@ def along_of(part: PatchPart, parts: Sequence[SurfacePart], key: str) -> FloatAr
     facing = int(np.argmax(areas @ np.abs([p.normal for p in parts])))
     axis = ("y" if facing == 0 else "x") if part.along is None else part.along
     along: FloatArray = np.eye(3)[AXES[axis]]
-    if all(abs(p.normal @ along) > 1.0 - _NO_NORMAL for p in parts):
-        names = ", ".join(repr(name) for name in part.surfaces)
-        raise InputError(f"{key}.along", f"'{axis}' is perpendicular to the surface {names}", "another axis")
+    if all(abs(p.normal @ along) > 1.0 - NO_COMPONENT for p in parts):
+        raise InputError(f"{key}.along", f"'{axis}' is perpendicular to the surface {part.told}", "another axis")
     return along
 
 
@@ -105,19 +97,17 @@ def at_coordinate(part: PatchPart, domain: Domain, parts: Sequence[SurfacePart],
     assert part.at is not None
     along = along_of(part, parts, key)
     axis = int(np.argmax(along))
-    tolerance = ON_SURFACE * domain.complex.extent
+    tolerance = domain.on_surface
     coordinates = np.concatenate([p.polygon[:, axis] for p in parts])
     least, most = float(coordinates.min()), float(coordinates.max())
     low, high = part.at - 0.5 * part.width, part.at + 0.5 * part.width
-    names = ", ".join(repr(name) for name in part.surfaces)
     key = f"{key}.at"
     if low < least - tolerance or high > most + tolerance:
         place = f"a strip from {low:g} to {high:g} m" if part.width else f"{part.at:g} m"
         allowed = f"between {least:g} and {most:g} m along {'xyz'[axis]}"
-        raise InputError(key, f"{place} is off the surface {names}", allowed)
+        raise InputError(key, f"{place} is off the surface {part.told}", allowed)
     if part.width > 0.0:
-        chosen = _clipped(parts, along, high, tolerance)
-        chosen = _clipped(chosen, -along, -low, tolerance)
+        chosen = _between(parts, along, low, high, tolerance)
         if not chosen:
             raise _nothing(domain, part, axis, key)
         return over(chosen, along, spacing, key)
@@ -144,13 +134,14 @@ def _on_trace(trace: Trace, spacing: float) -> tuple[FloatArray, list[SurfacePar
 def _nothing(domain: Domain, part: PatchPart, axis: int, key: str) -> InputError:
     """Error about a coordinate at which a surface has no place."""
     assert part.at is not None
-    names = ", ".join(repr(name) for name in part.surfaces)
     for notch in domain.notches:
-        if abs(notch.normal[axis]) > 1.0 - _NO_NORMAL:
+        if abs(notch.normal[axis]) > 1.0 - NO_COMPONENT:
             off = abs(part.at * notch.normal[axis] - notch.point @ notch.normal)
             if off <= 0.5 * notch.width:
                 return InputError(key, "lies in the mouth of a notch", "a place on the surface beside the notch")
-    return InputError(key, f"the surface {names} has no place at {part.at:g} m along {'xyz'[axis]}", "a place on it")
+    return InputError(
+        key, f"the surface {part.told} has no place at {part.at:g} m along {'xyz'[axis]}", "a place on it"
+    )
 
 
 def _clipped(parts: Sequence[SurfacePart], normal: FloatArray, offset: float, tolerance: float) -> list[SurfacePart]:
@@ -161,6 +152,13 @@ def _clipped(parts: Sequence[SurfacePart], normal: FloatArray, offset: float, to
         if left is not None:
             out.append(SurfacePart(left, part.normal, part.cell))
     return out
+
+
+def _between(
+    parts: Sequence[SurfacePart], along: FloatArray, low: float, high: float, tolerance: float
+) -> list[SurfacePart]:
+    """What of some parts lies between two coordinates along a direction."""
+    return _clipped(_clipped(parts, along, high, tolerance), -along, -low, tolerance)
 
 
 def at_points(
@@ -174,7 +172,6 @@ def at_points(
     """Points on the surface, moved onto it where it is round."""
     slack = slack_of(domain, parts, SAMPLES * spacing)
     points, behind = [], []
-    names = ", ".join(repr(name) for name in part.surfaces)
     for point in np.asarray(given, float):
         distance, nearest = distances(parts, point)
         best = int(np.argmin(distance))
@@ -182,7 +179,7 @@ def at_points(
             _check_mouth(domain, point, key)
             raise InputError(
                 key,
-                f"{as_text(point)} is not on the surface {names}",
+                f"{as_text(point)} is not on the surface {part.told}",
                 f"a point of it; the nearest is {as_text(nearest[best])}",
             )
         points.append(nearest[best])
@@ -193,7 +190,7 @@ def at_points(
 
 def _check_mouth(domain: Domain, point: FloatArray, key: str) -> None:
     """Say so when a place is where a notch has taken the surface away."""
-    tolerance = ON_SURFACE * domain.complex.extent
+    tolerance = domain.on_surface
     for notch in domain.notches:
         in_void = abs(notch.across(point)) < 0.5 * notch.width and notch.ahead(point) < 0.0
         if in_void and notch.ahead(point) > -notch.depth - tolerance:
@@ -205,13 +202,13 @@ def on_line(part: PatchPart, domain: Domain, parts: Sequence[SurfacePart], spaci
     assert part.line is not None
     a, b = np.asarray(part.line, float)
     length = float(np.linalg.norm(b - a))
-    if length <= ON_SURFACE * domain.complex.extent:
+    if length <= domain.on_surface:
         raise InputError(key, "its ends are the same point", "two points, or point instead of line")
     share = sampled_interval(0.0, 1.0, spacing / length)
     found = at_points((a + share[:, None] * (b - a)).tolist(), part, domain, parts, spacing, key)
     outward = found.normals.mean(axis=0)
     across = np.cross(outward, b - a)
-    along = unit(across) if np.linalg.norm(across) > _NO_NORMAL * length else found.along
+    along = unit(across) if np.linalg.norm(across) > NO_COMPONENT * length else found.along
     return replace(found, along=along)
 
 
@@ -219,7 +216,7 @@ def strip_facing(part: PatchPart, domain: Domain, parts: Sequence[SurfacePart], 
     """A strip on a round surface where it looks a given way: it runs along the direction in which that is straight."""
     toward = np.asarray(part.toward, float)
     facing = [p for p in parts if p.normal @ toward > 0.0]
-    names = ", ".join(repr(name) for name in part.surfaces)
+    names = part.told
     if not facing:
         raise InputError(key, f"nothing of the surface {names} looks that way", "a direction out of the specimen")
     if not is_curved(facing):
@@ -230,12 +227,12 @@ def strip_facing(part: PatchPart, domain: Domain, parts: Sequence[SurfacePart], 
         raise InputError(key, f"the surface {names} is not straight in any direction", "box, or point")
     straight = vector[:, 0]
     across = np.cross(straight, toward)
-    if np.linalg.norm(across) < _NO_NORMAL:
+    if np.linalg.norm(across) < NO_COMPONENT:
         raise InputError(key, f"the surface {names} is straight that way", "a direction out of the specimen")
     across = unit(across)
     corners = np.concatenate([p.polygon for p in facing])
     middle = _middle(facing, across)
-    tolerance = ON_SURFACE * domain.complex.extent
+    tolerance = domain.on_surface
     width = float(np.ptp(corners @ across))
     if part.width > width + tolerance:
         raise InputError(
@@ -243,8 +240,7 @@ def strip_facing(part: PatchPart, domain: Domain, parts: Sequence[SurfacePart], 
             f"{part.width:g} m is more than the surface is wide",
             f"at most {width:g} m",
         )
-    chosen = _clipped(facing, across, middle + 0.5 * part.width, tolerance)
-    chosen = _clipped(chosen, -across, 0.5 * part.width - middle, tolerance)
+    chosen = _between(facing, across, middle - 0.5 * part.width, middle + 0.5 * part.width, tolerance)
     if not chosen:
         problem = f"{part.width:g} m is no more than round-off"
         raise InputError(f"{key.rpartition('.')[0]}.width", problem, "the width of a platen")
@@ -269,7 +265,7 @@ def _middle(facing: Sequence[SurfacePart], across: FloatArray) -> float:
 def in_box(part: PatchPart, domain: Domain, parts: Sequence[SurfacePart], spacing: float, key: str) -> Sample:
     """What of the surface lies in a box."""
     assert part.box is not None
-    tolerance = ON_SURFACE * domain.complex.extent
+    tolerance = domain.on_surface
     chosen = list(parts)
     for normal, offset in box_half_spaces(part.box.lower, part.box.upper):
         # A face in a side of the box is in it, however thin the box is.
@@ -280,8 +276,7 @@ def in_box(part: PatchPart, domain: Domain, parts: Sequence[SurfacePart], spacin
             if (left.polygon @ normal).min() <= offset + tolerance
         ]
     if not chosen:
-        names = ", ".join(repr(name) for name in part.surfaces)
         points = np.concatenate([p.polygon for p in parts])
         extent = f"from {as_text(points.min(axis=0))} to {as_text(points.max(axis=0))}"
-        raise InputError(key, f"nothing of the surface {names} is in it", f"a box that meets the surface, {extent}")
+        raise InputError(key, f"nothing of the surface {part.told} is in it", f"a box that meets the surface, {extent}")
     return over(chosen, along_of(part, chosen, key.rpartition(".")[0]), spacing, key)

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray
 from fissura.kernels import compiled_when_large, njit
+from fissura.specimen.limits import MOST_ROWS, ROUND_OFF
 from fissura.specimen.planar import Flat
 
 __all__ = ["sampled_interval", "sampled_polygon"]
 
-FloatArray = NDArray[np.float64]
-
-_ROUND = 1e-9
-_MOST = 1000  # rows of points; surfaces of more bodies than that across are too large for a run
-
 
 def _count(length: float, spacing: float) -> int:
-    return max(1, int(np.ceil(min(length / spacing, _MOST) - _ROUND)))
+    return max(1, int(np.ceil(min(length / spacing, MOST_ROWS) - ROUND_OFF)))
 
 
 def sampled_interval(low: float, high: float, spacing: float) -> FloatArray:
@@ -56,7 +52,7 @@ def sampled_polygon(
     flat = Flat(polygon[0], np.array([along, np.cross(normal, along)]))
     corners = flat.inside(polygon)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    near = _ROUND * float((high - low).max())
+    near = ROUND_OFF * float((high - low).max())
     box = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
     if all(np.abs(corners - corner).max(axis=1).min() <= near for corner in box):  # a rectangle
         u, v = (sampled_interval(low[a], high[a], spacing) for a in range(2))
@@ -71,12 +67,12 @@ def sampled_polygon(
     cell = float(np.prod([line[1] - line[0] for line in lines]))
     i, j = np.nonzero(~whole)
     area, centroid = _in_rectangles(corners, lines[0], lines[1], i, j)
-    kept = area > _ROUND * cell
+    kept = area > ROUND_OFF * cell
     points = np.concatenate([centres, centroid[kept]])
     return flat.outside(points), np.concatenate([np.full(len(centres), cell), area[kept]])
 
 
-def _inside(corners: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
+def _inside(corners: FloatArray, points: FloatArray) -> BoolArray:
     """Whether points (..., 2) lie in a convex polygon (k, 2), counterclockwise."""
     out = np.ones(points.shape[:-1], bool)
     for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.specimen.domain import Domain
+from fissura.specimen.limits import NO_COMPONENT
 from fissura.specimen.notches import Slot
 from fissura.specimen.shapes.prism import AXES
-from fissura.specimen.surface import ON_SURFACE, as_text, distances, is_curved, mean_normal, slack_of, surface_parts
+from fissura.specimen.surface import as_text, distances, is_curved, mean_normal, slack_of, surface_parts
 from fissura.specimen.surface_part import SurfacePart
 from fissura.specimen.traces import traces_at
 
@@ -20,10 +20,6 @@ if TYPE_CHECKING:
     from fissura.case import Notch as NotchPart
 
 __all__ = ["slot_from_part"]
-
-FloatArray = NDArray[np.float64]
-
-_PARALLEL = 1e-6
 
 
 def slot_from_part(part: NotchPart, domain: Domain, l_f: float, key: str) -> Slot:
@@ -57,7 +53,7 @@ def _across(part: NotchPart, domain: Domain, parts: Sequence[SurfacePart], key: 
     assert part.normal is not None
     outward = mean_normal(parts)
     face = int(np.argmax(np.abs(outward)))
-    if is_curved(parts) or abs(outward[face]) < 1.0 - _PARALLEL:
+    if is_curved(parts) or abs(outward[face]) < 1.0 - NO_COMPONENT:
         raise InputError(
             f"{key}.{part.naming}",
             f"{part.surface!r} is not flat and perpendicular to an axis",
@@ -77,7 +73,7 @@ def _across(part: NotchPart, domain: Domain, parts: Sequence[SurfacePart], key: 
             f"a notch from {low:g} to {high:g} m is not inside the face {part.surface!r}",
             f"between {least:g} and {most:g} m",
         )
-    traces = traces_at(parts, normal, part.position, ON_SURFACE * domain.complex.extent)
+    traces = traces_at(parts, normal, part.position, domain.on_surface)
     if not traces:
         problem = f"the face {part.surface!r} has no place at {part.position:g} m along {part.normal}"
         raise InputError(f"{key}.position", problem, "a place on the face")
@@ -105,14 +101,14 @@ def _anywhere(part: NotchPart, domain: Domain, parts: Sequence[SurfacePart], l_f
     outward = np.mean([p.normal for p in beside], axis=0)
     outward /= np.linalg.norm(outward)
     direction = -outward if part.direction is None else np.asarray(part.direction, float)
-    if direction @ outward >= -_PARALLEL:
+    if direction @ outward >= -NO_COMPONENT:
         raise InputError(
             f"{key}.direction",
             f"[{', '.join(f'{v:.4g}' for v in direction)}] does not lead into the specimen",
             f"a direction against the surface's normal [{', '.join(f'{v + 0.0:.4g}' for v in outward)}]",
         )
     along = np.array([0.0, 0.0, 1.0]) if part.along is None else np.asarray(part.along, float)
-    if np.linalg.norm(np.cross(direction, along)) < _PARALLEL:
+    if np.linalg.norm(np.cross(direction, along)) < NO_COMPONENT:
         problem = "missing" if part.along is None else "is the direction in which the notch is deep"
         raise InputError(f"{key}.along", problem, "three numbers, the direction of the front across the notch's depth")
     return Slot(at, direction, along, part.depth, part.width, slack, key, "at")

@@ -6,14 +6,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fissura.arrays import FloatArray
 from fissura.specimen.convex import Convex, Degenerate
 from fissura.specimen.planes import Face, Planes, opposite
 
 __all__ = ["Cell", "Solid"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.specimen.functional import Functional, mean_displacement, mean_rotation
 from fissura.specimen.place import Place
 
 __all__ = ["clamp", "guide", "pin", "roller"]
-
-FloatArray = NDArray[np.float64]
 
 
 def _normal(place: Place, key: str) -> FloatArray:

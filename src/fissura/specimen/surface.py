@@ -5,20 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.specimen.domain import Domain
+from fissura.specimen.limits import ROUND_OFF
 from fissura.specimen.surface_part import SurfacePart
 
-__all__ = ["ON_SURFACE", "as_text", "distances", "is_curved", "mean_normal", "slack_of", "surface_parts"]
-
-FloatArray = NDArray[np.float64]
-
-#: Of the extent: points nearer to a flat surface are on it.
-ON_SURFACE = 1e-6
-
-_FLAT = 1e-9
+__all__ = ["as_text", "distances", "is_curved", "mean_normal", "slack_of", "surface_parts"]
 
 
 def surface_parts(domain: Domain, names: Sequence[str], key: str) -> tuple[SurfacePart, ...]:
@@ -50,12 +44,12 @@ def mean_normal(parts: Sequence[SurfacePart]) -> FloatArray:
 def is_curved(parts: Sequence[SurfacePart]) -> bool:
     """Whether parts have more than one normal."""
     normals = np.array([part.normal for part in parts])
-    return bool(np.abs(normals - normals[0]).max() > _FLAT)
+    return bool(np.abs(normals - normals[0]).max() > ROUND_OFF)
 
 
 def slack_of(domain: Domain, parts: Sequence[SurfacePart], l_f: float) -> float:
     """How far from a surface a point may be given [m]: round ones are polygons, flat ones are exact."""
-    slack = ON_SURFACE * domain.complex.extent
+    slack = domain.on_surface
     return max(slack, 0.2 * l_f) if is_curved(parts) else slack
 
 

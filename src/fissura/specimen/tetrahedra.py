@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fissura.arrays import IntArray
 from fissura.specimen.convex import Convex
 from fissura.specimen.planes import Face
 from fissura.specimen.solid import Cell, Solid
 
 __all__ = ["OPPOSITE", "solid_of_tetrahedra", "triangles_of"]
-
-IntArray = NDArray[np.int64]
 
 #: Corners of the face opposite to each corner, counterclockwise from outside when the volume is positive.
 OPPOSITE = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])

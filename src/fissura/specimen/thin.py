@@ -13,32 +13,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError, Notice
+from fissura.specimen.limits import FACING, LEAST, ROUND_OFF, SINGLE, USUAL
 from fissura.specimen.notches import SURFACE, Notch
 from fissura.specimen.rays import distance_to_surface
-from fissura.specimen.surface import ON_SURFACE, distances
+from fissura.specimen.surface import distances
 
 if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.specimen.domain import Domain
     from fissura.specimen.surface_part import SurfacePart
 
-__all__ = ["FACING", "LEAST", "USUAL", "Thickness", "thin_notices", "thin_parts"]
-
-#: Thickness of a part in spacings below which it is refused, and below which it is warned of.
-LEAST, USUAL = 1.0, 3.0
-
-#: Thickness in spacings below which some facets span a part alone.
-SINGLE = 1.5
-
-#: Cosine of the angle between surfaces that count as parallel.
-FACING = 0.9
-
-_ROUND_OFF = 1e-9
-
-FloatArray = NDArray[np.float64]
+__all__ = ["Thickness", "thin_notices", "thin_parts"]
 
 
 @dataclass(frozen=True)
@@ -138,7 +126,7 @@ def _key(notch: Notch, direction: FloatArray) -> str:
 
 def _notch_at(domain: Domain, x: FloatArray, normal: FloatArray) -> Notch | None:
     """The notch to whose surface a point belongs, by the normal there."""
-    tolerance = ON_SURFACE * domain.complex.extent
+    tolerance = domain.on_surface
     for notch in domain.notches:
         across, ahead = abs(notch.across(x)), notch.ahead(x)
         wall = abs(normal @ notch.normal) > FACING and abs(across - 0.5 * notch.width) <= tolerance
@@ -151,7 +139,7 @@ def _notch_at(domain: Domain, x: FloatArray, normal: FloatArray) -> Notch | None
 def _note_ligaments(domain: Domain, note: Callable[[str, str, float], None]) -> None:
     """What lies ahead of the tips of notches, and between tips and other notches."""
     c = domain.complex
-    tolerance = ON_SURFACE * c.extent
+    tolerance = domain.on_surface
     share = np.array([0.02, 0.25, 0.5, 0.75, 0.98])[:, None]
     walls = [
         [p for p in domain.faces(SURFACE) if _notch_at(domain, p.polygon.mean(axis=0), p.normal) is notch]
@@ -213,13 +201,13 @@ def thin_notices(parts: Iterable[Thickness], l_f: float) -> list[Notice]:
     found = []
     for part in thinnest.values():
         thick = f"{part.name} is {1e3 * part.value:.4g} mm thick, "
-        if part.value < LEAST * l_f * (1.0 - _ROUND_OFF):
+        if part.value < LEAST * l_f * (1.0 - ROUND_OFF):
             raise InputError(
                 part.key,
                 f"{thick}less than one body, l_f = {1e3 * l_f:.4g} mm",
                 f"at least l_f, better {USUAL:g} l_f, or a smaller discretization.l_f",
             )
-        if part.value < USUAL * l_f * (1.0 - _ROUND_OFF):
+        if part.value < USUAL * l_f * (1.0 - ROUND_OFF):
             found.append(
                 Notice(
                     part.key,

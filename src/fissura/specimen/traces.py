@@ -6,15 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
+from fissura.specimen.limits import ROUND_OFF
 from fissura.specimen.surface_part import SurfacePart
 
 __all__ = ["Trace", "traces_at"]
-
-FloatArray = NDArray[np.float64]
-
-_PARALLEL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +96,7 @@ def _straight(
 ) -> bool:
     """Whether two lines have one direction, on flat ground."""
     u, v = first[1] - first[0], second[1] - second[0]
-    flat = np.abs(part.normal - other.normal).max() <= _PARALLEL
+    flat = np.abs(part.normal - other.normal).max() <= ROUND_OFF
     return bool(flat and np.linalg.norm(np.cross(u, v)) <= 1e-6 * np.linalg.norm(u) * np.linalg.norm(v))
 
 

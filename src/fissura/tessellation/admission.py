@@ -8,15 +8,12 @@ clipped again. So every facet stays the bisector of its two nuclei.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, IntArray
 from fissura.tessellation.clipped import NONE, Clipped, Setting, clipped
+from fissura.tessellation.limits import RETURNS
 
 __all__ = ["settled"]
-
-IntArray = NDArray[np.int64]
-
-_RETURNS = 3  # as often may a nucleus come back into a cell from which it was excluded
 
 
 def _keys(n: int, cell: IntArray, nucleus: IntArray) -> IntArray:
@@ -28,11 +25,11 @@ def _known(pieces: IntArray, seen: IntArray, n: int) -> tuple[IntArray, IntArray
     return np.sort(_keys(n, pieces[:, 1], pieces[:, 0])), _keys(n, seen[:, 1], seen[:, 2])
 
 
-def _in(keys: IntArray, many: IntArray) -> NDArray[np.bool_]:
+def _in(keys: IntArray, many: IntArray) -> BoolArray:
     """Which keys are among many sorted ones."""
     if not len(many):
         return np.zeros(len(keys), np.bool_)
-    out: NDArray[np.bool_] = many[np.minimum(np.searchsorted(many, keys), len(many) - 1)] == keys
+    out: BoolArray = many[np.minimum(np.searchsorted(many, keys), len(many) - 1)] == keys
     return out
 
 
@@ -66,7 +63,7 @@ def settled(first: Clipped, setting: Setting) -> Clipped:
             break
         for returning in back.tolist():
             returns[returning] = returns.get(returning, 0) + 1
-        again = np.array([key for key in back.tolist() if returns[key] > _RETURNS], np.int64)
+        again = np.array([key for key in back.tolist() if returns[key] > RETURNS], np.int64)
         back = np.setdiff1d(back, again)
         barred = np.union1d(barred, again)
         excluded = np.setdiff1d(np.union1d(excluded, new), back)

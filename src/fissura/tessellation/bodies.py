@@ -11,13 +11,12 @@ import numpy as np
 from fissura.kernels import INNER, njit
 from fissura.specimen.polyhedron import following
 from fissura.tessellation.corner import corner_scratch, place_corner
+from fissura.tessellation.limits import NO_OPENING
 from fissura.tessellation.piece import admitted, clip_piece, work_arrays
 from fissura.tessellation.polygon import area2, clip
 from fissura.tessellation.search import longer, taller
 
 __all__ = ["clip_bodies"]
-
-_TINY = 1e-10  # of the squared radius of a body: a smaller opening does not lead to another cell
 
 
 @njit(**INNER)
@@ -203,7 +202,7 @@ def clip_bodies(todo, x, home, cx, tables, guess, grid, rules, points):  # type:
                 i, k, x, home, cx, rules[0], grid, first2, found, near, work, planes, doors, passed
             )
             if head == 0:
-                least2 = (0.25 * _TINY * limit2) ** 2
+                least2 = (0.25 * NO_OPENING * limit2) ** 2
                 before2 = sought2
             head += 1
             matters2 = max(matters2, sought2)

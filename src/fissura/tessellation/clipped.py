@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import njit
 from fissura.specimen.complex import Complex
 from fissura.tessellation.bodies import clip_bodies
@@ -16,10 +16,6 @@ from fissura.tessellation.polygon import areas_and_centroids
 from fissura.tessellation.ragged import Ragged
 
 __all__ = ["Clipped", "Facets", "Setting", "clipped", "plane_keys"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 NONE = np.empty(0, np.int64)
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fissura.kernels import INNER, njit
+from fissura.tessellation.limits import SAME_CORNER
 
 __all__ = ["corner_scratch", "place_corner"]
-
-_SAME = 1e-7  # of the piece's radius: a corner computed again from its planes may lie this far off
 
 
 @njit(**INNER)
@@ -77,7 +76,7 @@ def place_corner(  # type: ignore[no-untyped-def]
         corner[v, a] = x[i, a] + p[a, v]
     if _meeting(i, v, first, x, table, plane_id, face, planes, whole, rows):
         off = max(abs(rows[4, 0] - corner[v, 0]), abs(rows[4, 1] - corner[v, 1]), abs(rows[4, 2] - corner[v, 2]))
-        if off <= _SAME * radius:
+        if off <= SAME_CORNER * radius:
             for a in range(3):
                 corner[v, a] = rows[4, a]
     for a in range(3):

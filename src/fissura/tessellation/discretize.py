@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.errors import InputError
 from fissura.specimen.complex import Complex
+from fissura.tessellation.limits import LOST, LOST_IN_SLIVERS, NEGLIGIBLE, SLIVER
 from fissura.tessellation.measures import Joined, joined, lines, volume_of, volumes
 from fissura.tessellation.nuclei import Nuclei
 from fissura.tessellation.selection import select
@@ -19,15 +20,6 @@ if TYPE_CHECKING:
     from fissura.specimen.domain import Domain
 
 __all__ = ["discretize", "tessellate"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-
-_NEGLIGIBLE = 1e-10  # of the squared spacing: facets that exist by round-off only
-_LOST = 1e-9  # of the volume: what round-off may lose
-_LOST_IN_SLIVERS = 1e-6  # the same where convex cells are nearly flat
-_SLIVER = 1e-3  # of a cell's longest diagonal: its height, below which it is nearly flat
 
 
 def _polygons(facets: Joined) -> Polygons:
@@ -76,7 +68,7 @@ def _check_volume(found: float, complex_: Complex) -> None:
     """
     whole = volume_of(complex_)
     lost = abs(found - whole) / whole
-    if lost > _LOST and (lost > _LOST_IN_SLIVERS or _flattest(complex_) > _SLIVER):
+    if lost > LOST and (lost > LOST_IN_SLIVERS or _flattest(complex_) > SLIVER):
         raise InputError(
             "discretization",
             f"bodies fill {found / whole:.9f} of the specimen's volume",
@@ -140,7 +132,7 @@ def tessellate(
     fine = np.ones(n, bool) if fine is None else fine
     before = None if previous is None else previous.cells
     cells = voronoi_cells(x, home, complex_, len(surfaces), spacing, nucleus, before)
-    smallest = _NEGLIGIBLE * spacing.min() ** 2
+    smallest = NEGLIGIBLE * spacing.min() ** 2
     contacts, skin = _contacts(cells, fine, smallest), _surface(cells, surfaces, smallest)
     volume = volumes(
         cells.x, contacts.bodies, contacts.area, contacts.length, skin.body, skin.area, skin.centroid, skin.normal

@@ -6,23 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 from fissura.specimen.surface_part import SurfacePart
+from fissura.tessellation.limits import NOTHING, SAME_NORMAL, SAME_PLANE
 from fissura.tessellation.polygon import areas_and_centroids, clip
 from fissura.tessellation.structure import SurfaceFacets
 
 __all__ = ["Footprint", "footprint"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-#: Angle and distance, the latter in sizes of the part, up to which polygons lie in one plane.
-_SAME_NORMAL, _SAME_PLANE = 1e-6, 1e-6
-
-#: Share of a facet's area below which what lies under a part is round-off.
-_NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -91,8 +83,8 @@ def footprint(surface: SurfaceFacets, parts: Sequence[SurfacePart]) -> Footprint
     first = shapes.points[shapes.offsets[:-1]]
     for part in parts:
         reach = float(np.linalg.norm(np.ptp(part.polygon, axis=0)))
-        flat = surface.normal[shapes.facet] @ part.normal > 1.0 - _SAME_NORMAL
-        flat &= np.abs((first - part.polygon[0]) @ part.normal) < _SAME_PLANE * reach
+        flat = surface.normal[shapes.facet] @ part.normal > 1.0 - SAME_NORMAL
+        flat &= np.abs((first - part.polygon[0]) @ part.normal) < SAME_PLANE * reach
         chosen = np.flatnonzero(flat)
         if not len(chosen):
             continue
@@ -107,5 +99,5 @@ def footprint(surface: SurfaceFacets, parts: Sequence[SurfacePart]) -> Footprint
         size = np.abs(vector @ part.normal)
         np.add.at(area, shapes.facet[chosen], size)
         np.add.at(moment, shapes.facet[chosen], size[:, None] * centroid)
-    facet = np.flatnonzero(area > _NOTHING * surface.area)
+    facet = np.flatnonzero(area > NOTHING * surface.area)
     return Footprint(facet, area[facet], moment[facet] / area[facet, None])

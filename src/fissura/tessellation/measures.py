@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 from fissura.specimen.complex import Complex
 from fissura.specimen.polyhedron import following
@@ -14,9 +14,6 @@ from fissura.tessellation.clipped import Facets
 from fissura.tessellation.ragged import Ragged
 
 __all__ = ["Joined", "joined", "lines", "volume_of", "volumes"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @njit()

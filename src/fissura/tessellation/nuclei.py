@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.errors import InputError
 from fissura.files.text import check_file, read_text
 from fissura.specimen.complex import Complex
+from fissura.tessellation.limits import MOST_BYTES, MOST_BYTES_OF_TEXT, ON_SURFACE
 from fissura.tessellation.placement import place
 
 if TYPE_CHECKING:
@@ -24,11 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["Nuclei", "nuclei_from_case", "read_nuclei"]
 
 _KEY = "discretization.nuclei"
-
-_ROUND_OFF = 1e-9  # of the specimen's size
-
-#: Largest files that are read.
-_MOST_BYTES, _MOST_BYTES_OF_TEXT = 2_000_000_000, 100_000_000
 
 
 @dataclass(frozen=True)
@@ -51,14 +48,14 @@ class Nuclei:
         How many of them a file gave; the others were added.
     """
 
-    x: NDArray[np.float64]
-    home: NDArray[np.int64]
-    priority: NDArray[np.int64]
+    x: FloatArray
+    home: IntArray
+    priority: IntArray
     spacing: float
     complex: Complex
     given: int = 0
 
-    def inside(self, cell: int) -> NDArray[np.int64] | None:
+    def inside(self, cell: int) -> IntArray | None:
         """Nuclei that are admitted in a convex cell of the specimen; None where all are."""
         c = self.complex
         rules = slice(c.rule_start[cell], c.rule_start[cell + 1])
@@ -70,15 +67,13 @@ class Nuclei:
         return len(self.x)
 
     @classmethod
-    def placed(
-        cls, complex_: Complex, l_f: float, rng: np.random.Generator, given: NDArray[np.float64] | None = None
-    ) -> Nuclei:
+    def placed(cls, complex_: Complex, l_f: float, rng: np.random.Generator, given: FloatArray | None = None) -> Nuclei:
         """Saturate a complex with nuclei and give each a random priority; arguments as for :func:`place`."""
         x, home = place(complex_, l_f, rng, given)
         return cls(x, home, rng.permutation(len(x)), l_f, complex_)
 
 
-def read_nuclei(path: Path) -> NDArray[np.float64]:
+def read_nuclei(path: Path) -> FloatArray:
     """Read nuclei from a file: ``.npy`` with shape (n, 3), or text with ``x y z`` in metres on each line.
 
     Raises
@@ -91,10 +86,10 @@ def read_nuclei(path: Path) -> NDArray[np.float64]:
     try:
         with warnings.catch_warnings(action="ignore"):  # numpy warns of empty files; the shape tells as much
             if path.suffix == ".npy":
-                check_file(path, key, allowed, _MOST_BYTES)
+                check_file(path, key, allowed, MOST_BYTES)
                 x = np.lib.format.open_memmap(path, mode="r")  # takes no memory for what the file does not hold
             else:
-                x = np.loadtxt(io.StringIO(read_text(path, key, allowed, _MOST_BYTES_OF_TEXT)), ndmin=2)
+                x = np.loadtxt(io.StringIO(read_text(path, key, allowed, MOST_BYTES_OF_TEXT)), ndmin=2)
     except InputError:
         raise
     except Exception as error:  # NumPy raises many kinds for damaged files
@@ -134,10 +129,10 @@ def nuclei_from_case(case: Case, domain: Domain) -> Nuclei:
     return nuclei
 
 
-def _on_surface(x: NDArray[np.float64], complex_: Complex) -> NDArray[np.bool_]:
+def _on_surface(x: FloatArray, complex_: Complex) -> BoolArray:
     """Whether points lie on the surface but for round-off, which must not decide on which side; (n, 3) -> (n,)."""
     c = complex_
-    margin = _ROUND_OFF * c.extent
+    margin = ON_SURFACE * c.extent
     out = np.zeros(len(x), np.bool_)
     cell = np.repeat(np.arange(len(c.low)), np.diff(c.plane_start))
     for f in np.unique(np.repeat(np.arange(len(c.offset)), np.diff(c.part_start))[c.part_to < 0]):
@@ -151,7 +146,7 @@ def _on_surface(x: NDArray[np.float64], complex_: Complex) -> NDArray[np.bool_]:
     return out
 
 
-def _check_used(given: NDArray[np.float64], nuclei: Nuclei) -> None:
+def _check_used(given: FloatArray, nuclei: Nuclei) -> None:
     """Every given nucleus must be one of the specimen's.
 
     Raises

@@ -5,25 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.box import box
 from fissura.tessellation.clipped import Setting, clipped, plane_keys
+from fissura.tessellation.limits import LAYER, NEGLIGIBLE
 from fissura.tessellation.measures import lines, volumes
 from fissura.tessellation.periodic_placement import place_periodic
 from fissura.tessellation.structure import Contacts, Polygons
 
 __all__ = ["PeriodicCell", "periodic_cell"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-#: Thickness of the layer of images around the cube, in gaps. No point is farther than one gap from a nucleus, so no
-#: nucleus farther than two has any influence on a cell; the rest keeps the outer box out of reach.
-_LAYER = 2.5
-
-_NEGLIGIBLE = 1e-10  # of the squared spacing: facets that exist by round-off only
 
 
 @dataclass(frozen=True)
@@ -88,7 +80,7 @@ def periodic_cell(x: FloatArray, side: float, spacing: float, gap: float = 1.0) 
     ValueError
         Nuclei that coincide, or leave larger gaps.
     """
-    n, layer = len(x), _LAYER * gap * spacing
+    n, layer = len(x), LAYER * gap * spacing
     assert layer <= side
     body, step = _images(x, side, layer)
     of = np.concatenate([np.arange(n), body])
@@ -104,7 +96,7 @@ def periodic_cell(x: FloatArray, side: float, spacing: float, gap: float = 1.0) 
     i, other, area = found.inner.body, found.inner.other, found.inner.area
     # A contact across a face is found from both of its sides: the one whose image lies in positive direction counts.
     ahead = np.sign(steps[other]) @ np.array([9, 3, 1])
-    kept = np.flatnonzero((ahead >= 0) & (area > _NEGLIGIBLE * spacing**2))
+    kept = np.flatnonzero((ahead >= 0) & (area > NEGLIGIBLE * spacing**2))
     kept = kept[np.lexsort((ahead[kept], of[other[kept]], i[kept]))]
     polygons, area, centroid = found.inner.polygons.take(kept), area[kept], found.inner.centroid[kept] - layer
     bodies = np.stack([i[kept], other[kept]], axis=1)

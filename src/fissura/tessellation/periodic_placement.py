@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.kernels import INNER, njit
+from fissura.tessellation.limits import MOST_LEVELS, SMALLEST_SIDE, TRIALS_PER_VOXEL
+from fissura.tessellation.placement import first_voxels
 from fissura.tessellation.roots import free_roots
 from fissura.tessellation.voxels import Placed, divided, free, surroundings
 
-__all__ = ["SMALLEST_SIDE", "place_periodic"]
-
-FloatArray = NDArray[np.float64]
-
-#: Smallest side of a cube in spacings: no body then touches another one twice, or itself.
-SMALLEST_SIDE = 4.0
-
-_MAX_LEVEL = 24
-_TRIALS_PER_VOXEL = 2.0
+__all__ = ["place_periodic"]
 
 
 @njit(**INNER)
@@ -51,14 +45,8 @@ def _place(side, spacing, cell, shape, steps, roots, rng, max_level, rate):  # t
     total, n = 0, 0
     l2 = spacing * spacing
     placed = Placed(x, grid, steps, shape, cell, l2)
-    active = np.empty((shape[0] * shape[1] * shape[2], 3), np.int32)
-    count = 0
-    for i in range(shape[0]):
-        for j in range(shape[1]):
-            for k in range(shape[2]):
-                active[count, 0], active[count, 1], active[count, 2] = i, j, k
-                count += 1
-    root = np.zeros(count, np.int32)  # which one does not matter
+    active, root = first_voxels(shape, roots)
+    count = len(active)
     p = np.empty(3)
     width = cell
     level = 0
@@ -115,5 +103,5 @@ def place_periodic(side: float, spacing: float, rng: np.random.Generator) -> Flo
     cell = side / number
     shape, steps = surroundings(np.full(3, (number - 0.5) * cell), cell)
     roots = free_roots(int(np.prod(shape)))
-    x: FloatArray = _place(side, spacing, cell, shape, steps, roots, rng, _MAX_LEVEL, _TRIALS_PER_VOXEL)
+    x: FloatArray = _place(side, spacing, cell, shape, steps, roots, rng, MOST_LEVELS, TRIALS_PER_VOXEL)
     return x

@@ -11,14 +11,10 @@ import numpy as np
 
 from fissura.kernels import INNER, njit
 from fissura.specimen.polyhedron import TOO_SHORT, UNCUT, cut, farthest
+from fissura.tessellation.limits import GROWTH, IN_COORDINATES, IN_PIECE, MIRRORED
 from fissura.tessellation.search import found_within, longer
 
 __all__ = ["admitted", "clip_piece", "contains", "work_arrays"]
-
-_GROWTH = 2.0  # of the squared radius within which further nuclei are sought
-_PLANE = 1e-13  # of the piece's radius: planes that reach less into it do not cut
-_ROUND_OFF = 1e-15  # of the coordinates: the same
-_FLAT = 1e-8  # of their distance: two nuclei are mirror images in a plane when they are less off
 
 
 @njit(**INNER)
@@ -87,7 +83,7 @@ def _mirrored(i, j, plane, x, normal, offset):  # type: ignore[no-untyped-def]
     off = n0 * (0.5 * (x[i, 0] + x[j, 0])) + n1 * (0.5 * (x[i, 1] + x[j, 1])) + n2 * (0.5 * (x[i, 2] + x[j, 2]))
     along = n0 * d0 + n1 * d1 + n2 * d2
     t0, t1, t2 = d0 - along * n0, d1 - along * n1, d2 - along * n2
-    least = _FLAT * np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+    least = MIRRORED * np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
     return abs(off - offset[plane]) < least and t0 * t0 + t1 * t1 + t2 * t2 < least * least
 
 
@@ -138,7 +134,7 @@ def clip_piece(  # type: ignore[no-untyped-def]
         if m == n:
             if filled2 >= limit2:
                 break
-            outer2 = min(first2, limit2) if filled2 < 0.0 else min(limit2, _GROWTH * filled2)
+            outer2 = min(first2, limit2) if filled2 < 0.0 else min(limit2, GROWTH * filled2)
             n, d2, number = found_within(i, x, grid, filled2, outer2, n, d2, number)
             filled2 = outer2
             continue
@@ -149,7 +145,7 @@ def clip_piece(  # type: ignore[no-untyped-def]
         j = number[m]
         within, beyond = False, False  # the piece's side of an open face that is a bisector
         for q in range(n_doors):
-            if abs(d2[m] - door2[q]) <= 8.0 * _FLAT * d2[m] and _mirrored(i, j, door[q], x, normal, offset):
+            if abs(d2[m] - door2[q]) <= 8.0 * MIRRORED * d2[m] and _mirrored(i, j, door[q], x, normal, offset):
                 f = door[q]
                 h = normal[f, 0] * (x[j, 0] - origin[0]) + normal[f, 1] * (x[j, 1] - origin[1])
                 within = h + normal[f, 2] * (x[j, 2] - origin[2]) > 0.0
@@ -170,7 +166,7 @@ def clip_piece(  # type: ignore[no-untyped-def]
             continue
         left = 0
         if not beyond:
-            tolerance = np.sqrt(d2[m]) * (0.5 * _PLANE * np.sqrt(limit2) + _ROUND_OFF * extent)
+            tolerance = np.sqrt(d2[m]) * (0.5 * IN_PIECE * np.sqrt(limit2) + IN_COORDINATES * extent)
             n0, n1, n2 = x[j, 0] - origin[0], x[j, 1] - origin[1], x[j, 2] - origin[2]
             left = cut(p, r2, s, twin, face, count, n0, n1, n2, 0.5 * d2[m], tolerance, n_planes, edges, gone, new)
             if left == TOO_SHORT:

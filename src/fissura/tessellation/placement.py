@@ -8,30 +8,20 @@ of the specimen can then take another nucleus. Voxels that faces of the specimen
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.specimen.complex import Complex
+from fissura.tessellation.limits import MOST_LEVELS, ON_FACE, REGULAR, TRIALS_PER_VOXEL
 from fissura.tessellation.roots import holder, roots_of
 from fissura.tessellation.search import longer, taller
 from fissura.tessellation.voxels import Placed, cell_of, divided, free, surroundings
 
-__all__ = ["place"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-_MAX_LEVEL = 24
-
-#: Share of a squared spacing by which given nuclei may be closer to each other.
-_REGULAR = 1e-9
-
-_TRIALS_PER_VOXEL = 2.0
-_ON_FACE = 1e-9  # of a voxel's side: a point may lie so far outside of a convex cell
+__all__ = ["first_voxels", "place"]
 
 
 @njit(**INNER)
-def _first(shape, roots):  # type: ignore[no-untyped-def]
+def first_voxels(shape, roots):  # type: ignore[no-untyped-def]
     """All roots that meet the specimen, as voxels."""
     active = np.empty((shape[0] * shape[1] * shape[2], 3), np.int32)
     root = np.empty(len(active), np.int32)
@@ -49,7 +39,7 @@ def _first(shape, roots):  # type: ignore[no-untyped-def]
 @njit()
 def _place(spacing, cell, shape, steps, roots, given, rng, max_level, rate):  # type: ignore[no-untyped-def]
     grid = np.full((shape[0] + 4) * (shape[1] + 4) * (shape[2] + 4), -1, np.int32)
-    active, root = _first(shape, roots)
+    active, root = first_voxels(shape, roots)
     interior, start, cells, begin, end, normal, offset = roots
     capacity = 1024 + len(given) + len(active) // 4
     x, home = np.empty((capacity, 3)), np.empty(capacity, np.int64)
@@ -57,14 +47,14 @@ def _place(spacing, cell, shape, steps, roots, given, rng, max_level, rate):  # 
     side = cell
     p = np.empty(3)
     l2 = spacing * spacing
-    l2_given = l2 * (1.0 - _REGULAR)  # a regular grid is not thinned out by round-off
+    l2_given = l2 * (1.0 - REGULAR)  # a regular grid is not thinned out by round-off
     level, g = 0, 0
     count = len(active)
     while count > 0 and level <= max_level:
         placed = Placed(x, grid, steps, shape, cell, l2)
         trials = int(rate * count) + 1 if g >= len(given) else len(given)
         for _ in range(trials):
-            least = -_ON_FACE * side  # round-off may leave a given nucleus on a face outside of all cells
+            least = -ON_FACE * side  # round-off may leave a given nucleus on a face outside of all cells
             if g < len(given):
                 v = -1
                 for a in range(3):
@@ -137,12 +127,12 @@ def place(
         The convex cell that holds each of them.
     """
     # Nuclei are at least one spacing apart, so a grid cell with that diagonal holds one at most.
-    cell = spacing / np.sqrt(3.0) * (1.0 - (1e-12 if given is None else _REGULAR))
+    cell = spacing / np.sqrt(3.0) * (1.0 - (1e-12 if given is None else REGULAR))
     origin = complex_.low.min(axis=0)
     shape, steps = surroundings(complex_.high.max(axis=0) - origin, cell)
     given = np.empty((0, 3)) if given is None else np.ascontiguousarray(given, float)
     roots = roots_of(complex_, origin, shape, cell)
-    x, home, taken, _ = _place(spacing, cell, shape, steps, roots, given - origin, rng, _MAX_LEVEL, _TRIALS_PER_VOXEL)
+    x, home, taken, _ = _place(spacing, cell, shape, steps, roots, given - origin, rng, MOST_LEVELS, TRIALS_PER_VOXEL)
     x += origin
     x[: taken.sum()] = given[taken]  # where they are, to the last bit
     return x, home

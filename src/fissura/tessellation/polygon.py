@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import INNER, njit
 
 __all__ = ["area2", "areas_and_centroids", "clip"]
@@ -81,9 +81,7 @@ def _areas(points, offsets):  # type: ignore[no-untyped-def]
     return vector, centroid
 
 
-def areas_and_centroids(
-    points: NDArray[np.float64], offsets: NDArray[np.int64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def areas_and_centroids(points: FloatArray, offsets: IntArray) -> tuple[FloatArray, FloatArray]:
     """Area vectors and centroids of planar polygons.
 
     Parameters

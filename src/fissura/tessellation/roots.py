@@ -9,22 +9,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.specimen.complex import Complex
 from fissura.specimen.polyhedron import TOO_SHORT, UNCUT, box, cut, following
+from fissura.tessellation.limits import FULL, IN_BOX
 from fissura.tessellation.piece import work_arrays
 from fissura.tessellation.search import longer
 
 __all__ = ["Roots", "extremes", "free_roots", "holder", "part_of", "roots_of"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-
-_ROUND_OFF = 1e-14  # of a box's side: planes that reach less into it do not cut
-_FULL = 1e-9  # of a root's volume: what round-off may leave out
 
 
 class Roots(NamedTuple):
@@ -79,7 +73,7 @@ def part_of(low, high, crossing, n_crossing, normal, offset, work):  # type: ign
     """Clip a box by planes, into the first of the work arrays; returns its corners, -1 for more than there is room."""
     p, r2, s, twin, face, edges, gone, new = work
     count = box(low, high, p, r2, twin, face)
-    tolerance = _ROUND_OFF * (high[0] - low[0] + high[1] - low[1] + high[2] - low[2])
+    tolerance = IN_BOX * (high[0] - low[0] + high[1] - low[1] + high[2] - low[2])
     for q in range(n_crossing):
         f = crossing[q]
         n0, n1, n2 = normal[f, 0], normal[f, 1], normal[f, 2]
@@ -181,7 +175,7 @@ def _met(shape, side, low, high, plane_start, normal, offset):  # type: ignore[n
         q = place[root[e]]
         place[root[e]] += 1
         of_root[q], begin[q], end[q] = cell[e], first[e], first[e + 1]
-    return filled >= (1.0 - _FULL) * side**3, start, of_root, begin, end, planes[:n_planes]
+    return filled >= (1.0 - FULL) * side**3, start, of_root, begin, end, planes[:n_planes]
 
 
 def roots_of(complex_: Complex, origin: FloatArray, shape: IntArray, side: float) -> Roots:
@@ -207,8 +201,8 @@ def roots_of(complex_: Complex, origin: FloatArray, shape: IntArray, side: float
 
 def free_roots(count: int) -> Roots:
     """Roots that no face cuts."""
-    none, start = np.empty(0, np.int64), np.zeros(count + 1, np.int64)
-    return Roots(np.ones(count, np.bool_), start, none, none, none, np.empty((0, 3)), np.empty(0))
+    none = np.empty(0, np.int64)  # nobody asks for the cell of a root inside
+    return Roots(np.ones(count, np.bool_), np.arange(count + 1), none, none, none, np.empty((0, 3)), np.empty(0))
 
 
 @njit(**INNER)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.tessellation.nuclei import Nuclei
 
@@ -84,7 +84,7 @@ def _select(x, priority, spacing, side):  # type: ignore[no-untyped-def]
     return kept
 
 
-def select(nuclei: Nuclei, spacing: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def select(nuclei: Nuclei, spacing: FloatArray) -> tuple[IntArray, BoolArray]:
     """Select the nuclei of a discretization.
 
     All nuclei with zero spacing (the refined region) are kept; then, by priority, each one that has no kept

@@ -6,16 +6,13 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fissura.arrays import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from fissura.tessellation.voronoi import Cells
 
 __all__ = ["LEDGE", "Contacts", "Polygons", "SurfaceFacets", "Tessellation"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: Name of the surface to which ledges at the tip of a notch belong.
 LEDGE = "ledge"

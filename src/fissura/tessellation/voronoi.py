@@ -5,18 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.specimen.complex import Complex
 from fissura.tessellation.admission import settled
 from fissura.tessellation.clipped import Clipped, Setting, clipped, plane_keys
 from fissura.tessellation.grid import grid_of, within
 
 __all__ = ["Cells", "voronoi_cells"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

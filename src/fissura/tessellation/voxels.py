@@ -11,15 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.tessellation.piece import work_arrays
 from fissura.tessellation.roots import extremes, part_of
 from fissura.tessellation.search import longer, taller
 
 __all__ = ["Placed", "cell_of", "divided", "free", "surroundings"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class Placed(NamedTuple):

@@ -6,31 +6,23 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.errors import InputError
+from fissura.specimen.limits import FEWEST_SIDES, MOST_SIDES, SAGITTA
 from fissura.specimen.planar import area_of
 from fissura.specimen.shapes.convex_parts import check_simple
 
 if TYPE_CHECKING:
     from fissura.case.shape import Corner
 
-__all__ = ["SAGITTA", "circle", "flattened"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-#: How far a side of a polygon may lie from the arc that it stands for, over `l_f`.
-SAGITTA = 0.075
-
-_FEWEST = 8  # sides of a circle
-_MOST = 400  # enough for circles of 4000 bodies across
+__all__ = ["circle", "flattened"]
 
 
 def _sides(angle: float, radius: float, l_f: float, least: int) -> int:
     """Sides for an arc of a given angle."""
     reach = min(SAGITTA * l_f / radius, 1.0)
-    return int(np.clip(np.ceil(angle / (2.0 * np.arccos(1.0 - reach)) - 1e-9), least, _MOST))
+    return int(np.clip(np.ceil(angle / (2.0 * np.arccos(1.0 - reach)) - 1e-9), least, MOST_SIDES))
 
 
 def circle(diameter: float, l_f: float) -> FloatArray:
@@ -46,7 +38,7 @@ def circle(diameter: float, l_f: float) -> FloatArray:
         Spacing of fine nuclei [m].
     """
     radius = 0.5 * diameter
-    count = 4 * int(np.ceil(_sides(2.0 * np.pi, radius, l_f, _FEWEST) / 4.0))
+    count = 4 * int(np.ceil(_sides(2.0 * np.pi, radius, l_f, FEWEST_SIDES) / 4.0))
     outer = radius * np.sqrt(2.0 * np.pi / (count * np.sin(2.0 * np.pi / count)))
     angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
     out: FloatArray = outer * np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
+from fissura.specimen.limits import ROUND_OFF, TRIES
 
 __all__ = ["check_simple", "convex_parts"]
-
-FloatArray = NDArray[np.float64]
-
-_STRAIGHT = 1e-9  # sine of an angle that counts as straight
-_TRIES = 10  # orders in which sides are tried besides the longest and the shortest first
 
 
 def check_simple(points: FloatArray, key: str) -> None:
@@ -69,7 +65,7 @@ def convex_parts(points: FloatArray) -> list[list[int]]:
     owner = {edge for triangle in triangles for edge in _edges(triangle)}
     inner = sorted({(min(e), max(e)) for e in owner if (e[1], e[0]) in owner}, key=lambda e: (-_length(points, e), e))
     rng = np.random.default_rng(0)
-    orders = [inner, inner[::-1], *(rng.permutation(inner).tolist() for _ in range(_TRIES if len(inner) > 1 else 0))]
+    orders = [inner, inner[::-1], *(rng.permutation(inner).tolist() for _ in range(TRIES if len(inner) > 1 else 0))]
     return min((_joined(points, triangles, order) for order in orders), key=len)
 
 
@@ -103,4 +99,4 @@ def _turns_left(points: FloatArray, loop: list[int], k: int) -> bool:
     """Whether the corner of a loop is convex, or straight."""
     before, here, after = (points[loop[(k + d) % len(loop)]] for d in (-1, 0, 1))
     u, v = here - before, after - here
-    return bool(u[0] * v[1] - u[1] * v[0] >= -_STRAIGHT * np.linalg.norm(u) * np.linalg.norm(v))
+    return bool(u[0] * v[1] - u[1] * v[0] >= -ROUND_OFF * np.linalg.norm(u) * np.linalg.norm(v))

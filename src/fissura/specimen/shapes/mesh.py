@@ -9,32 +9,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.case.ranges import LONGEST
 from fissura.errors import InputError, Notice
+from fissura.specimen.limits import FLAT, LEAST_COORDINATE, LOOKED_AT, MOST_BYTES, MOST_TETRAHEDRA, SLIVER
 from fissura.specimen.shapes.mesher import tetrahedra_of
 from fissura.specimen.solid import Solid
 from fissura.specimen.tetrahedra import OPPOSITE, solid_of_tetrahedra, triangles_of
 
-__all__ = ["MOST", "mesh"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-#: Most tetrahedra of a mesh. Their size has nothing to do with that of bodies.
-MOST = 100_000
-
-#: Largest file.
-MOST_BYTES = 500_000_000
+__all__ = ["mesh"]
 
 #: Files that hold a surface or a model, from which only a mesher makes tetrahedra.
 SURFACES = (".stl", ".step", ".stp", ".obj", ".off", ".ply", ".brep", ".iges", ".igs")
 
-_FLAT = 1e-10  # volume over the cube of the longest edge
-_SLIVER = 1e-3
-_LOOKED_AT = 2000
-_LEAST = 1e-9
 _COARSE = "a mesh as coarse as the shape allows, its size has nothing to do with that of bodies"
 _ALLOWED = "a mesh of tetrahedra that meshio reads, such as .msh, .vtu, .inp, .med, .xdmf"
 
@@ -77,19 +65,21 @@ def mesh(path: Path, scale: float, l_f: float, key: str = "specimen.mesh") -> tu
         points, tets, names = tetrahedra_of(path, key, l_f / scale)
     else:
         points, tets, names = _read(path, key)
-    if len(tets) > MOST:
+    if len(tets) > MOST_TETRAHEDRA:
         raise InputError(
             key,
             f"{path.name} has {len(tets)} tetrahedra",
-            f"at most {MOST}: {_COARSE}",
+            f"at most {MOST_TETRAHEDRA}: {_COARSE}",
         )
     points = points * scale
     if not np.isfinite(points[tets]).all():
         raise InputError(key, f"{path.name} has corners that are not finite", _ALLOWED)
     far = float(np.abs(points[tets]).max())
-    if not _LEAST <= far <= LONGEST:
+    if not LEAST_COORDINATE <= far <= LONGEST:
         problem = f"{path.name} has coordinates up to {far:.3g} m"
-        raise InputError(key, problem, f"{_LEAST:g} to {LONGEST:g} m: see whether specimen.unit is missing or wrong")
+        raise InputError(
+            key, problem, f"{LEAST_COORDINATE:g} to {LONGEST:g} m: see whether specimen.unit is missing or wrong"
+        )
     tets = _sound(points, tets, path.name, key)
     solid = solid_of_tetrahedra(points, tets, names)
     return solid, _notices(points, tets, key)
@@ -143,7 +133,7 @@ def _sound(points: FloatArray, tets: IntArray, file: str, key: str) -> IntArray:
     arms = used[:, 1:] - used[:, :1]
     size = np.abs(arms).max(axis=(1, 2))
     volume = np.linalg.det(arms) / 6.0
-    flat = np.abs(volume) <= _FLAT * size**3
+    flat = np.abs(volume) <= FLAT * size**3
     if flat.any():
         raise InputError(
             key,
@@ -189,7 +179,7 @@ def _check_apart(used: FloatArray, file: str, key: str) -> None:
     """The middle of a tetrahedron lies in no other one; of many only some are looked at."""
     low, high = used.min(axis=1), used.max(axis=1)
     edges = np.linalg.inv(np.moveaxis(used[:, 1:] - used[:, :1], 1, 2))
-    for k in np.unique(np.linspace(0, len(used) - 1, min(len(used), _LOOKED_AT)).astype(int)):
+    for k in np.unique(np.linspace(0, len(used) - 1, min(len(used), LOOKED_AT)).astype(int)):
         middle = used[k].mean(axis=0)
         near = np.flatnonzero(((low < middle) & (middle < high)).all(axis=1))
         share = np.einsum("kab,kb->ka", edges[near], middle - used[near, 0])
@@ -203,7 +193,7 @@ def _notices(points: FloatArray, tets: IntArray, key: str) -> tuple[Notice, ...]
     used = points[tets]
     size = np.linalg.norm(used[:, [0, 0, 0, 1, 1, 2]] - used[:, [1, 2, 3, 2, 3, 3]], axis=2).max(axis=1)
     volume = np.abs(np.linalg.det(used[:, 1:] - used[:, :1])) / 6.0
-    slivers = int((volume < _SLIVER * size**3).sum())
+    slivers = int((volume < SLIVER * size**3).sum())
     out = []
     if slivers:
         out.append(

@@ -5,20 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.errors import InputError
+from fissura.specimen.limits import MOST_TRIANGLES, SIDES_OF_MESHER
 
 __all__ = ["tetrahedra_of"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-#: Most triangles of a surface.
-MOST_TRIANGLES = 100_000
-
 _BYTES = 50  # of a triangle in a binary STL file
-_ROUND = 24  # sides of a circle
 
 
 def tetrahedra_of(path: Path, key: str, l_f: float) -> tuple[FloatArray, IntArray, dict[tuple[int, int, int], str]]:
@@ -61,7 +55,7 @@ def tetrahedra_of(path: Path, key: str, l_f: float) -> tuple[FloatArray, IntArra
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("Mesh.MeshSizeMin", l_f)
-        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _ROUND)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", SIDES_OF_MESHER)
         gmsh.merge(str(path))
         surfaces = [tag for _, tag in gmsh.model.getEntities(2)]
         if path.suffix.lower() in (".stl", ".obj", ".off", ".ply"):

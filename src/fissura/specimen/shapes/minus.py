@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.specimen.planes import unit
 from fissura.specimen.shapes.arcs import circle, flattened
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from fissura.case.shape import Bore, Prism, Void
 
 __all__ = ["subtract"]
-
-FloatArray = NDArray[np.float64]
 
 #: Half-spaces of a convex void, and for each the surface that it leaves.
 _Convex: TypeAlias = tuple[list[tuple[FloatArray, float]], list[str | None]]

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.specimen.shapes.arcs import flattened
 from fissura.specimen.shapes.convex_parts import check_simple, convex_parts
 from fissura.specimen.shapes.prism import prism_half_spaces
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from fissura.case.shape import Corner
 
 __all__ = ["extruded"]
-
-FloatArray = NDArray[np.float64]
 
 
 def extruded(

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from fissura.arrays import FloatArray
 
 __all__ = ["AXES", "FACES", "box_half_spaces", "prism_half_spaces"]
-
-FloatArray = NDArray[np.float64]
 
 #: Axes by name.
 AXES = {"x": 0, "y": 1, "z": 2}
