@@ -1,4 +1,4 @@
-"""A law of another package: the one of docs/laws.md, found by its entry point, in whole runs, and what can be wrong."""
+"""A law of another package, that of docs/how-to/law.md: by its entry point, in whole runs, and what can be wrong."""
 
 import importlib
 import json
@@ -17,12 +17,12 @@ from fissura.files.tables import read_toml
 from fissura.material import Material, material_from_case
 from fissura.simulation.loop import Simulation
 
-PAGE = (Path(__file__).parents[1] / "docs" / "laws.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "how-to" / "law.md").read_text(encoding="utf-8")
 
 
 def snippet(language):
     """The first block of a language on the page."""
-    return re.search(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)[1]
+    return re.search(rf"```{language} title=\S+\n(.*?)```", PAGE, re.DOTALL)[1]
 
 
 def install(folder, name, entry, **files):
@@ -50,7 +50,7 @@ def packages(tmp_path, monkeypatch):
 @pytest.fixture
 def softening(packages):
     """The package of the page."""
-    install(packages, "softening", snippet("toml").splitlines()[1].replace('"', ""), softening=snippet("python"))
+    install(packages, "softening", "exponential = softening:Exponential", softening=snippet("python"))
     return importlib.import_module("softening")
 
 
@@ -109,7 +109,7 @@ def test_tangent_of_the_page_is_that_of_its_response(softening):
 
 def test_case_of_the_page(softening, small_case, tmp_path):
     """Its table is validated, kept with the case, and given to the law; other values of the case leave it alone."""
-    table = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)[1]
+    table = snippet("toml")
     path = tmp_path / "own.toml"
     path.write_text(table)
     data = small_case().model_dump(mode="json", exclude={"material"})

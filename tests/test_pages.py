@@ -10,6 +10,7 @@ before a block changes that:
   into a table, whose lines are alternatives, or whose places are on a specimen that the block does not describe.
 * ``<!-- test: study -->``, ``<!-- test: calibration -->``, ``<!-- test: package -->``: TOML of a study, of tests to be
   calibrated to, or of another package.
+* ``<!-- test: own names -->``: TOML with names that the page adds; ``test_how_to.py`` reads it where they are known.
 """
 
 from __future__ import annotations
@@ -81,7 +82,7 @@ def test_every_block_has_a_language_that_is_tested() -> None:
 
 
 def test_notes_are_those_that_mean_something() -> None:
-    forms = r"not run: .{10,}|slow|part of \w+|each line|other specimen|study|calibration|package"
+    forms = r"not run: .{10,}|slow|part of \w+|each line|other specimen|study|calibration|package|own names"
     assert [block.note for _, block in EVERY if block.note and not re.fullmatch(forms, block.note)] == []
     for path in PAGES:  # a comment that stands before no block would change nothing
         text = path.read_text(encoding="utf-8")
@@ -117,7 +118,7 @@ def check_case(given: dict[str, Any], *, places: bool) -> None:
 
 @pytest.mark.parametrize(("path", "block"), of("toml"))
 def test_toml_is_a_case_or_a_part_of_one(path: Path, block: Block) -> None:
-    if block.note == "package":
+    if block.note in ("package", "own names"):
         assert tomllib.loads(block.text)
     elif block.note == "calibration":
         request_of(tomllib.loads(block.text))
@@ -252,9 +253,14 @@ def python_of(path: Path, *, slow: bool) -> list[Block]:
     return [block for block in found if not block.note.startswith("not run") and (block.note == "slow") == slow]
 
 
-#: The tutorial's and the start page's Python belongs to their commands and is run with these.
+#: The tutorial's and the start page's Python belongs to their commands and is run with these; test_how_to.py runs that
+#: of pages of docs/how-to.
 WORKED = ("tutorial.md", "index.md")
-QUICK_PYTHON = [path for path in PAGES if path.name != "tutorial.md" and python_of(path, slow=False)]
+QUICK_PYTHON = [
+    path
+    for path in PAGES
+    if path.name != "tutorial.md" and path.parent.name != "how-to" and python_of(path, slow=False)
+]
 SLOW_PYTHON = [path for path in PAGES if python_of(path, slow=True)]
 
 
