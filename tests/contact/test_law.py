@@ -8,7 +8,7 @@ import pytest
 
 from equilibrium.models import CONCRETE, beam
 from fissura.contact import CusatisCedolin, law_from_case
-from fissura.contact.law import lowest_strength, transition_angle
+from fissura.contact.strength import lowest_strength, transition_angle
 from fissura.errors import InputError
 from fissura.material import Material
 

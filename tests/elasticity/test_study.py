@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 
-from fissura.elasticity import request
+from fissura.elasticity import answers
 from fissura.elasticity.specimen import Prism, prism_case
 from fissura.elasticity.study import KINDS, LayerFit, Row, Study, spread, structure_seeds, study
 from fissura.simulation.loop import Simulation
@@ -92,17 +92,17 @@ def test_too_few_structures_have_no_fit():
     rows = tuple(Row("gauge", 0.3, size, 10.0, np.array([0.6]), np.array([0.2])) for size in (4.0, 6.0))
     assert Study(rows, 2.0).layer("gauge", 0.3) is None
     assert Study(rows[:1], 2.0).layer("gauge", 0.3) is None
-    assert request.layer_table(Study(rows, 2.0))[1] == []
+    assert answers.layer_table(Study(rows, 2.0))[1] == []
 
 
 def test_tables_and_files(small, tmp_path):
-    heads, rows = request.study_table(small, 60e9)
+    heads, rows = answers.study_table(small, 60e9)
     assert all(len(row) == len(heads) for row in rows)
     assert len(rows) == 12
     assert rows[2][heads.index("E")] == "60 GPa"  # alpha 1 in a periodic cell
-    heads, rows = request.layer_table(small)
+    heads, rows = answers.layer_table(small)
     assert [row[:2] for row in rows][:2] == [["prism, gauge", "0.3"], ["prism, gauge", "1"]]
-    names = request.write(small, tmp_path, 60e9)
+    names = answers.write(small, tmp_path, 60e9)
     assert sorted(names) == sorted(path.name for path in tmp_path.glob("[!.]*"))
     with (tmp_path / "elastic.csv").open() as file:
         table = list(csv.DictReader(file))

@@ -58,25 +58,25 @@ def elastic(
 ) -> None:
     """Elastic constants of the material as a whole: computed from structures, of a case, or the inverse."""
     with errors():
-        from fissura.elasticity import limits, request
+        from fissura.elasticity import answers, asked, limits
 
         if case is not None or inverse is not None:
             _check_nothing_to_compute(context, "a case" if inverse is None else "--inverse")
         if inverse is not None:
             if case is not None:
                 raise InputError("--inverse", "is given together with a case", "one of both")
-            pull = None if tension is None else request.parse_tension(tension)
-            print_table(request.inverse_rows(*request.parse_inverse(inverse), pull))
+            pull = None if tension is None else asked.parse_tension(tension)
+            print_table(answers.inverse_rows(*asked.parse_inverse(inverse), pull))
         elif tension is not None:
             raise InputError("--tension", "needs the elastic constants, too", "--inverse E=38GPa nu=0.18 --tension ...")
         elif case is not None:
             from fissura.case import load_case
 
-            print_table(request.case_rows(load_case(case)))
+            print_table(answers.case_rows(load_case(case)))
         else:
-            E = None if modulus is None else request.parse_modulus(modulus, "--E")
-            wanted = request.parse_numbers(alpha, "--alpha", 0.001, 1.0)
-            widths = request.parse_numbers(sizes, "--sizes", limits.SMALLEST, limits.LARGEST)
+            E = None if modulus is None else asked.parse_modulus(modulus, "--E")
+            wanted = asked.parse_numbers(alpha, "--alpha", 0.001, 1.0)
+            widths = asked.parse_numbers(sizes, "--sizes", limits.SMALLEST, limits.LARGEST)
             _study(wanted, widths, seeds, aspect, E, output, overwrite)
 
 
@@ -100,7 +100,7 @@ def _study(
     """Compute, print and write a study of elastic constants."""
     from rich.progress import Progress
 
-    from fissura.elasticity import request
+    from fissura.elasticity import answers
     from fissura.elasticity.study import structure_seeds, study
     from fissura.files.folder import prepare_folder
 
@@ -115,11 +115,11 @@ def _study(
             aspect=aspect,
             on_structure=lambda done, total: bar.update(task, completed=done, total=total),
         )
-    for heads, rows in (request.study_table(found, E), request.layer_table(found)):
+    for heads, rows in (answers.study_table(found, E), answers.layer_table(found)):
         if rows:
             print_columns(heads, rows)
     try:
-        names = request.write(found, folder, E)
+        names = answers.write(found, folder, E)
     except OSError as error:
         raise not_written(error, folder) from None
     typer.echo(f"written in {folder}: {', '.join(names)}")

@@ -9,197 +9,18 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.optimize import brentq
 
 from fissura.arrays import FloatArray
 from fissura.contact import limits
-from fissura.contact.limits import INTACT_SHARE
+from fissura.contact.softening import respond
+from fissura.contact.strength import lowest_strength, transition_angle, utilisations
 from fissura.errors import InputError
-from fissura.kernels import njit
 from fissura.material import Material
 
-__all__ = ["CusatisCedolin", "lowest_strength", "transition_angle"]
-
-
-_HALF_PI = 0.5 * np.pi
-
+__all__ = ["CusatisCedolin"]
 
 #: Name of the limit from which shear and tension soften alike.
 _BOTH = "of both together"
-
-
-@njit()
-def _tension_shear_strength(sin, cos, alpha, f_t, f_s, mu):  # type: ignore[no-untyped-def]
-    """Strength and its derivative to omega for ``s_T^2 = (f_t - s_N)(f_s^2/f_t - mu^2 s_N)``."""
-    b = f_s * f_s / f_t + mu * mu * f_t
-    root = np.sqrt(b * b * sin * sin + 4.0 * f_s * f_s * (alpha * cos * cos - mu * mu * sin * sin))
-    f = 2.0 * f_s * f_s / (b * sin + root)
-    slope = (b * b - 4.0 * f_s * f_s * (alpha + mu * mu)) * sin * cos / root
-    return f, -f * (b * cos + slope) / (b * sin + root)
-
-
-@njit()
-def _compression_strength(sin, cos, alpha, f_c, beta):  # type: ignore[no-untyped-def]
-    """Strength and its derivative to omega for ``s_N^2 + s_T^2 / beta = f_c^2``."""
-    g2 = sin * sin + alpha * cos * cos / beta
-    f = f_c / np.sqrt(g2)
-    return f, -f * (1.0 - alpha / beta) * sin * cos / g2
-
-
-def lowest_strength(material: Material) -> float:
-    """Effective stress below which no contact of unit relative strength is damaged, whatever its direction [Pa].
-
-    The surface under tension and shear is convex: a chord from tension to shear is below it, and under compression it
-    bears more than without. The cap is an ellipse.
-    """
-    m = material
-    shear = m.f_s / np.sqrt(m.alpha)
-    tension = min(m.f_t, (m.f_s / m.mu) ** 2 / m.f_t) if m.mu > 0.0 else m.f_t
-    chord = tension * shear / np.hypot(tension, shear)
-    cap = m.f_c * min(1.0, np.sqrt(m.beta / m.alpha))
-    return (1.0 - limits.APART) * float(min(chord, cap))
-
-
-def transition_angle(material: Material) -> float:
-    """Angle ``omega_0 < 0`` at which both strength surfaces meet [rad].
-
-    Raises
-    ------
-    InputError
-        The surfaces do not meet under compression.
-    """
-    m = material
-
-    def gap(omega: float) -> float:
-        sin, cos = np.sin(omega), np.cos(omega)
-        shear, _ = _tension_shear_strength(sin, cos, m.alpha, m.f_t, m.f_s, m.mu)
-        cap, _ = _compression_strength(sin, cos, m.alpha, m.f_c, m.beta)
-        return float(shear - cap)
-
-    low = -np.arctan(np.sqrt(m.alpha) / m.mu) * (1.0 - limits.APART) if m.mu > 0 else -_HALF_PI * (1.0 - limits.APART)
-    least = limits.LEAST_CAP * m.f_s / np.sqrt(m.beta)
-    if m.f_c < least or gap(low) <= 0.0:
-        raise InputError(
-            "material.f_c",
-            f"{m.f_c:g} Pa: the compressive cap does not meet the shear strength under compression",
-            f"{least:g} Pa or more, {limits.LEAST_CAP:g} f_s/sqrt(beta)",
-        )
-    return float(brentq(gap, low, 0.0, xtol=1e-15, rtol=1e-14))
-
-
-@njit()
-def _respond(  # type: ignore[no-untyped-def]
-    strain, history, scale, k_t, n_t, par, lowest, traction, new, tangent, with_tangent
-):
-    E, alpha, f_t0, f_s0, f_c0, k_c, mu, beta, n_c, omega0, tail, steep, flat = par
-    root_alpha = np.sqrt(alpha)
-    for c in range(len(strain)):
-        p = strain[c, 0]
-        e_t = np.sqrt(strain[c, 1] ** 2 + strain[c, 2] ** 2)
-        damage = history[c, 0]
-        top_n, top_t = max(history[c, 1], p), max(history[c, 2], e_t)
-        new[c, 1], new[c, 2] = top_n, top_t
-        # Most contacts are far from their strength: nothing more is asked about these.
-        far = lowest * scale[c] / E
-        if max(p * p, top_n * top_n) + alpha * top_t * top_t < far * far:
-            new[c, 0] = damage
-            for a in range(3):
-                s = (1.0 - damage) * E if a == 0 else (1.0 - damage) * alpha * E
-                traction[c, a] = s * strain[c, a]
-                if with_tangent:
-                    for b in range(3):
-                        tangent[c, a, b] = 0.0
-                    tangent[c, a, a] = s
-            continue
-        q = root_alpha * e_t
-        e = np.sqrt(p * p + q * q)
-        grows = False
-        d_p, d_q = 0.0, 0.0  # derivatives of damage
-        if e > 0.0:
-            f_t, f_s, f_c = f_t0 * scale[c], f_s0 * scale[c], f_c0 * scale[c]
-            sin, cos = p / e, q / e
-            omega = np.arctan2(p, q)
-            e_max = np.sqrt(top_n * top_n + alpha * top_t * top_t)
-            if omega < omega0:
-                f, df = _compression_strength(sin, cos, alpha, f_c, beta)
-                base = (omega + 0.5 * np.pi) / (omega0 + 0.5 * np.pi)
-                power = base**n_c
-                k = k_c * (1.0 - power)
-                dk = -k_c * n_c * power / (omega + 0.5 * np.pi) if base > 0.0 else 0.0
-                chi, weight = e, 1.0
-            else:
-                f, df = _tension_shear_strength(sin, cos, alpha, f_t, f_s, mu)
-                base = (omega - 0.5 * np.pi) / (omega0 - 0.5 * np.pi)
-                power = base ** n_t[c] if base > 0.0 else 0.0
-                k = -k_t[c] * (1.0 - power)
-                dk = k_t[c] * n_t[c] * power / (omega - 0.5 * np.pi) if base > 0.0 else 0.0
-                weight = omega / omega0 if omega < 0.0 else 0.0
-                chi = e * weight + e_max * (1.0 - weight)
-            excess = chi - f / E
-            bound, rate = f, 1.0
-            if excess > 0.0 and (tail == 0.0 or k >= 0.0):
-                bound = f * np.exp(k / f * excess)
-            elif excess > 0.0:  # two exponentials; `rate` is how much faster their sum falls than one
-                first, last = (1.0 - tail) * np.exp(steep * k / f * excess), tail * np.exp(flat * k / f * excess)
-                bound, rate = f * (first + last), (steep * first + flat * last) / (first + last)
-            trial = 1.0 - bound / (E * e)
-            if trial > damage:
-                damage = trial
-                grows = True
-                if damage > 1.0 - INTACT_SHARE:
-                    damage = 1.0 - INTACT_SHARE
-                    grows = False
-            if grows and with_tangent:
-                w_p, w_q = cos / e, -sin / e  # derivatives of omega
-                log_w = df / f
-                log_p, log_q = 0.0, 0.0
-                if excess > 0.0:
-                    log_w += rate * ((dk - k * df / f) / f * excess - k / f * df / E)
-                    # chi = e weight + e_max (1 - weight)
-                    m_p = top_n / e_max if (e_max > 0.0 and p >= history[c, 1] and p > 0.0) else 0.0
-                    m_q = root_alpha * top_t / e_max if (e_max > 0.0 and e_t >= history[c, 2]) else 0.0
-                    chi_p = sin * weight + m_p * (1.0 - weight)
-                    chi_q = cos * weight + m_q * (1.0 - weight)
-                    if omega >= omega0 and omega < 0.0:
-                        chi_p += (e - e_max) / omega0 * w_p
-                        chi_q += (e - e_max) / omega0 * w_q
-                    log_p, log_q = rate * k / f * chi_p, rate * k / f * chi_q
-                ratio = bound / (E * e)
-                d_p = -ratio * (log_w * w_p + log_p - sin / e)
-                d_q = -ratio * (log_w * w_q + log_q - cos / e)
-        new[c, 0] = damage
-        intact = 1.0 - damage
-        traction[c, 0] = intact * E * p
-        traction[c, 1] = intact * alpha * E * strain[c, 1]
-        traction[c, 2] = intact * alpha * E * strain[c, 2]
-        if with_tangent:
-            d = np.zeros(3)
-            if grows:
-                d[0] = d_p
-                if e_t > 0.0:
-                    d[1] = d_q * root_alpha * strain[c, 1] / e_t
-                    d[2] = d_q * root_alpha * strain[c, 2] / e_t
-            for a in range(3):
-                s = E if a == 0 else alpha * E
-                for b in range(3):
-                    tangent[c, a, b] = -s * strain[c, a] * d[b]
-                tangent[c, a, a] += intact * s
-
-
-@njit()
-def _utilisation(strain, scale, par, out):  # type: ignore[no-untyped-def]
-    E, alpha, f_t, f_s, f_c, _, mu, beta, _, omega0, _, _, _ = par
-    for c in range(len(strain)):
-        p = strain[c, 0]
-        q = np.sqrt(alpha * (strain[c, 1] ** 2 + strain[c, 2] ** 2))
-        e = np.sqrt(p * p + q * q)
-        out[c] = 0.0
-        if e > 0.0:
-            if np.arctan2(p, q) < omega0:
-                f, _ = _compression_strength(p / e, q / e, alpha, f_c * scale[c], beta)
-            else:
-                f, _ = _tension_shear_strength(p / e, q / e, alpha, f_t * scale[c], f_s * scale[c], mu)
-            out[c] = E * e / f
 
 
 def _check_ductility(length: FloatArray, ductility: FloatArray, longest: float) -> None:
@@ -384,7 +205,7 @@ class CusatisCedolin:
         self, strain: FloatArray, history: FloatArray, tangent: FloatArray, with_tangent: bool
     ) -> tuple[FloatArray, FloatArray]:
         traction, new = np.empty_like(strain), np.empty_like(history)
-        _respond(
+        respond(
             strain,
             history,
             self.scale,
@@ -426,6 +247,4 @@ class CusatisCedolin:
 
     def utilisation(self, strain: FloatArray) -> FloatArray:
         """Elastic effective traction over strength, ``E e / f_eff(omega)``; shape (m,)."""
-        out = np.empty(len(strain))
-        _utilisation(strain, self.scale, self._parameters(), out)
-        return out
+        return utilisations(strain, self.scale, self._parameters())

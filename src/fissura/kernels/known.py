@@ -67,7 +67,7 @@ def _is_there(one: Known, there: set[str]) -> bool:
         return False
     if module not in sys.modules:
         return True
-    found = getattr(sys.modules[module], name)
+    found: Any = getattr(sys.modules[module], name, None)  # None of an old list
     return not hasattr(found, "_cache") or found._cache.is_there(signature(one), found.targetctx)
 
 
