@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fissura.equilibrium import dissipation, reactions
+from fissura.arrays import FloatArray
+from fissura.equilibrium import Equilibrium, System, dissipation, reactions
 from fissura.simulation.found import Found, snapshot_of
 from fissura.simulation.model import Model
-from fissura.simulation.state import Before, Effort, State
+from fissura.simulation.state import Before, Effort, State, Totals
 from fissura.simulation.step import Step
 
 if TYPE_CHECKING:
@@ -33,28 +34,8 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
     found : Found
         Where it ends.
     """
-    system = model.system
-    assert state.leg is not None
-    old, new, totals, effort = state.now, found.equilibrium, state.totals, state.effort
-    forces = system.forces(new.load)
-    displacements = np.asarray(system.acting.load_rows @ new.response.u)
-    gauges = np.asarray(system.acting.gauge_rows @ new.response.u)
-    drive = system.drive
-    if drive.quantity == "gauge" and drive.gauge is not None:
-        gauges[drive.gauge] = new.value  # without round-off
-    spent, stored = dissipation(system, old.response, new.response)
-    spent = spent[: len(system.tessellation.contacts)]
-    more = 0.5 * (totals.forces + forces) @ (displacements - totals.displacements)
-    work = totals.work + float(more)
-    totals = replace(
-        totals,
-        forces=forces,
-        displacements=displacements,
-        dissipated=totals.dissipated + float(spent.sum()),
-        dissipated_at=totals.dissipated_at + np.array([spent[own].sum() for own in system.carrying]),
-        work=work - float(stored.sum()),
-        peak=max(totals.peak, abs(new.load)),
-    )
+    system, old, new = model.system, state.now, found.equilibrium
+    totals, spent = _summed(system, state, new)
     after = replace(
         state,
         now=new,
@@ -66,12 +47,44 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
         effort=Effort(),
         aim=None,
     )
+    return after, _step(model, after, state.effort, goal, found, spent)
+
+
+def _summed(system: System, state: State, new: Equilibrium) -> tuple[Totals, FloatArray]:
+    """Sums after a step to a new state, and the energy that each contact dissipated in it (m,) [J]."""
+    totals = state.totals
+    forces = system.forces(new.load)
+    displacements = np.asarray(system.acting.load_rows @ new.response.u)
+    spent, stored = dissipation(system, state.now.response, new.response)
+    spent = spent[: len(system.tessellation.contacts)]
+    more = 0.5 * (totals.forces + forces) @ (displacements - totals.displacements)
+    work = totals.work + float(more)
+    summed = replace(
+        totals,
+        forces=forces,
+        displacements=displacements,
+        dissipated=totals.dissipated + float(spent.sum()),
+        dissipated_at=totals.dissipated_at + np.array([spent[own].sum() for own in system.carrying]),
+        work=work - float(stored.sum()),
+        peak=max(totals.peak, abs(new.load)),
+    )
+    return summed, spent
+
+
+def _step(model: Model, after: State, effort: Effort, goal: Goal, found: Found, spent: FloatArray) -> Step:
+    """What is told of a step, from the state after it and what it took."""
+    system, new, totals = model.system, found.equilibrium, after.totals
+    forces, displacements = totals.forces, totals.displacements
+    conditions, drive = system.conditions, system.drive
+    gauges = np.asarray(system.acting.gauge_rows @ new.response.u)
+    if drive.quantity == "gauge" and drive.gauge is not None:
+        gauges[drive.gauge] = new.value  # without round-off
     held = reactions(system, new.response, new.load)
-    conditions = system.conditions
     main = conditions.main
     by_displacement = drive.quantity == "displacement" and np.array_equal(drive.ratios, main.ratios)
     displacement = new.value if by_displacement else float(main.ratios @ displacements)
-    step = Step(
+    assert after.leg is not None
+    return Step(
         number=after.number,
         gauge=displacement if main.gauge is None else float(gauges[main.gauge]),
         load=float(main.ratios @ forces / (main.ratios @ main.ratios)),
@@ -98,11 +111,10 @@ def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[Stat
         load_change=effort.load_change,
         spent=spent,
         utilisation=found.elastic.utilisation,
-        stage=model.legs[state.leg.index].number,
+        stage=model.legs[after.leg.index].number,
         done=model.done(after),
         forces=dict(zip(conditions.load_names, forces.tolist(), strict=True)),
         displacements=dict(zip(conditions.load_names, displacements.tolist(), strict=True)),
         held=tuple(one.name for one in conditions.held),
         gauges=dict(zip(conditions.gauge_names, gauges.tolist(), strict=True)),
     )
-    return after, step
