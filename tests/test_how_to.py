@@ -11,12 +11,15 @@ from pathlib import Path
 
 import pytest
 
-from fissura.case import registry
+from changes import replaced
+from conftest import SMALL_BEAM
+from fissura.case import case_from_dict, registry
 from fissura.case.adaptivity import Adaptivity
 from fissura.case.model import Case, Gauge, Material, Solver, Support
 from fissura.case.registry import NameIn, Registry
 from fissura.case.schema import case_schema
 from fissura.case.shape import Specimen
+from fissura.errors import InputError
 
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "benchmarks"))
@@ -132,3 +135,20 @@ def test_every_registry_is_told_of() -> None:
     assert kinds == {*NAMED, "GAUGES", "PICTURES", "ENSEMBLE_PICTURES"}
     assert Gauge.registry is registry.GAUGES
     assert Case.model_fields["gauge"].annotation == Gauge | None
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "allowed"),
+    [
+        ({"specimen": {"egg": {}}}, "specimen.egg", "outline"),
+        ({"gauges": {"girth": {"chain": {}}}}, "gauges.girth.chain", "a, b, direction"),
+        ({"adaptivity": {"criterion": "mises"}}, "adaptivity.criterion", "rankine, utilisation"),
+        ({"solver": {"linear": "gauss"}}, "solver.linear", "auto, amg, direct, two-level"),
+        ({"material__law": "rubber"}, "material.law", "cusatis-cedolin"),
+    ],
+)
+def test_unknown_names_give_one_clear_error(changes: dict[str, object], key: str, allowed: str) -> None:
+    with pytest.raises(InputError) as caught:
+        case_from_dict(replaced(SMALL_BEAM, changes))
+    assert caught.value.key == key
+    assert allowed in caught.value.allowed

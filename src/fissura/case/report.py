@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Mapping
-from typing import Any, NoReturn, get_args
+from typing import Any, NoReturn, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
@@ -152,9 +152,13 @@ def _bare(key: str) -> str:
 
 def _models(model: type[BaseModel], location: Location) -> list[type[BaseModel]]:
     """Models that may stand at a location."""
-    models = [model]
+    models, named = [model], False
     for part in location:
-        if isinstance(part, str):
+        if named:  # a name that the case gives, as in [gauges.NAME]
+            named = False
+        elif isinstance(part, str):
+            fields = [item.model_fields[part] for item in models if part in item.model_fields]
+            named = any(get_origin(field.annotation) is dict for field in fields)
             models = [found for item in models for found in _tables(item, part)]
     return models
 
