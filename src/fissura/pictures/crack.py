@@ -12,8 +12,8 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.pictures.curves import DPI, INK, bare, headline
 from fissura.pictures.front import projected, rims, seen
 from fissura.pictures.lettering import may_shrink, save
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from fissura.simulation.step import Snapshot
 
 __all__ = ["crack_axes", "plot_crack"]
-
-FloatArray = NDArray[np.float64]
 
 SHOWN = 0.02
 """Openings below this part of the largest one are not drawn."""

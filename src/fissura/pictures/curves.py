@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.pictures.lettering import literal, may_shrink, save
 from fissura.results.curve import peak_position
 from fissura.results.measured import MeasuredBand, read_measured
@@ -36,8 +36,6 @@ __all__ = [
     "plot_curve",
     "tidy",
 ]
-
-FloatArray = NDArray[np.float64]
 
 BLUE, LIGHT, ORANGE, GREY, INK = "#1f4e79", "#8fb8dc", "#d1641b", "#c9ccd1", "#30343b"
 DPI = 160

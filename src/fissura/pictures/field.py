@@ -12,9 +12,9 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
-from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtri
 
+from fissura.arrays import FloatArray
 from fissura.pictures.curves import BLUE, DPI, GREY, INK, ORANGE, bare, legend, tidy
 from fissura.pictures.front import projected, rims, seen
 from fissura.pictures.lettering import literal, may_shrink, save
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from fissura.tessellation import Tessellation
 
 __all__ = ["draw_marginal", "draw_slice", "plot_field"]
-
-FloatArray = NDArray[np.float64]
 
 COLOURS = LinearSegmentedColormap.from_list(
     "strength", ["#5c1124", "#b8402f", "#eba77c", "#f6f3ee", "#9dbfd8", "#3f78ab", "#153a63"]

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fissura.arrays import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from fissura.tessellation.structure import Polygons, SurfaceFacets
 
 __all__ = ["projected", "rims", "seen"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _FACING = 0.1
 """Facets whose normal has at least this part against the line of sight are seen."""

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.pictures.curves import BLUE, DPI, INK, mark_point, note_above
 from fissura.pictures.lettering import literal, may_shrink, save
 from fissura.pictures.panels import draw_curve, draw_scales
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from fissura.results.comparison import Comparison
 
 __all__ = ["Moment", "bodies_figure", "moments", "plot_moments"]
-
-FloatArray = NDArray[np.float64]
 
 WIDE = 10.0
 """Width of the pictures [inch]."""

@@ -6,8 +6,8 @@ import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.pictures.curves import BLUE, tidy
 from fissura.pictures.lettering import literal
 from fissura.results.curve import COLUMN_OF
@@ -26,8 +26,6 @@ __all__ = [
     "plot_columns",
     "scaled_axis",
 ]
-
-FloatArray = NDArray[np.float64]
 
 
 def plot_columns(result: RunData, x: str | None, y: str, ax: Axes | None, line: dict[str, Any]) -> Axes:

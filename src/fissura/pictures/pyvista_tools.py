@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.errors import InputError
 from fissura.files.atomic import replacing
 from fissura.pictures.curves import INK
@@ -34,9 +34,6 @@ __all__ = [
     "shown",
     "toggled",
 ]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 WINDOW = (1100, 800)
 """Size of a view [pixels]."""

@@ -11,6 +11,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize, PowerNorm
 from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.pictures.curves import INK
 from fissura.pictures.support_symbols import Symbols, symbols
 from fissura.results.section import Outlines, Section, outlines
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from fissura.results.history import Frame
 
 __all__ = ["COARSE", "FINE", "HEAT", "TENSION", "Look", "SideView", "look_of", "magnification"]
-
-FloatArray = NDArray[np.float64]
 
 FINE, COARSE, EDGE = "#a9c6e3", "#f1ede3", "#7f8b99"
 HEAT = LinearSegmentedColormap.from_list("opening", ["#f9c74f", "#f3892c", "#d6401f", "#96152f", "#4a0524", "#1c0210"])

@@ -12,8 +12,8 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.pictures.curves import INK
 from fissura.pictures.lettering import legend_below, literal, may_shrink, save
 from fissura.pictures.side_view import COARSE, FINE
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from fissura.tessellation import SurfaceFacets
 
 __all__ = ["Sight", "plot_specimen"]
-
-FloatArray = NDArray[np.float64]
 
 NOTCH = "#f2c14e"
 """Colour of walls of notches."""
@@ -118,7 +116,7 @@ def plot_specimen(simulation: Simulation, path: str | Path, sight: Sight | None 
     save(figure, Path(path), dpi=110)
 
 
-def _whole(shapes: list[FloatArray], facet: NDArray[np.int64]) -> tuple[list[FloatArray], NDArray[np.int64]]:
+def _whole(shapes: list[FloatArray], facet: IntArray) -> tuple[list[FloatArray], IntArray]:
     """Polygons (k, 2) [mm] of each facet as one, and the facet: what divides them divides the specimen, and no body."""
     groups: dict[int, list[FloatArray]] = {}
     for shape, of in zip(shapes, facet.tolist(), strict=True):
@@ -134,7 +132,7 @@ def _whole(shapes: list[FloatArray], facet: NDArray[np.int64]) -> tuple[list[Flo
     return found, np.array(owner, dtype=np.int64)
 
 
-def _skin(axes: Axes, surface: SurfaceFacets, fine: NDArray[np.bool_], look: FloatArray) -> list[tuple[str, str]]:
+def _skin(axes: Axes, surface: SurfaceFacets, fine: BoolArray, look: FloatArray) -> list[tuple[str, str]]:
     """Draw facets that face the eye, the farthest first; return the colours used, by what they mean."""
     polygons = surface.polygons
     shapes = np.split(polygons.points, polygons.offsets[1:-1])

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.specimen import Domain, Place, gauge_from_part, load_direction, place_from_part
 from fissura.specimen.planes import unit
 from fissura.tessellation.structure import LEDGE
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from fissura.tessellation import SurfaceFacets
 
 __all__ = ["GaugeSign", "LoadSign", "Plate", "Signs", "Spots", "SupportSign", "named_facets", "signs_of"]
-
-FloatArray = NDArray[np.float64]
 
 SUPPORT = "#4b5563"
 LOADS = ("#b42318", "#d97706", "#a21caf", "#7c2d12", "#db2777", "#854d0e")
@@ -218,7 +216,7 @@ def named_facets(surface: SurfaceFacets, weight: FloatArray) -> dict[str, int | 
     return found
 
 
-def _evenly(count: int, most: int) -> NDArray[np.int64]:
+def _evenly(count: int, most: int) -> IntArray:
     """Evenly many of some points."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
@@ -242,7 +240,7 @@ def _plate(place: Place, platen: Platen, thickness: float) -> Plate:
     return Plate(label, PLATES[platen.contact], tuple(faces), np.array(normals), mean)
 
 
-def _at_the_rim(begin: FloatArray, end: FloatArray) -> NDArray[np.bool_]:
+def _at_the_rim(begin: FloatArray, end: FloatArray) -> BoolArray:
     """Which edges of polygons no other one has, by their middles and lengths, shape (e,)."""
     length = np.linalg.norm(end - begin, axis=1)
     key = np.column_stack([0.5 * (begin + end), length]) / (1e-6 * max(float(length.max()), 1e-300))

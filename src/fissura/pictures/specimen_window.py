@@ -6,8 +6,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray
 from fissura.pictures.curves import INK
 from fissura.pictures.lettering import literal
 from fissura.pictures.pyvista_tools import legend, plotter, polygon_mesh, pyvista, toggled
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["specimen_view"]
 
-FloatArray = NDArray[np.float64]
 Entries = list[tuple[str, str]]
 
 MM = 1e3
@@ -82,7 +81,7 @@ def specimen_view(simulation: Simulation, sight: Sight | None = None, *, off_scr
     return view
 
 
-def _bodies(view: Any, surface: SurfaceFacets, fine: NDArray[np.bool_]) -> tuple[list[Any], Entries]:
+def _bodies(view: Any, surface: SurfaceFacets, fine: BoolArray) -> tuple[list[Any], Entries]:
     """Show what bodies have of the surface, by kinds; return what is not a wall of a notch, and the legend."""
     polygons = surface.polygons
     names = np.array(surface.names)[surface.surface]

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.specimen import Place, domain_from_case, gauge_from_part, load_direction, place_from_part
 
 if TYPE_CHECKING:
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
 
 __all__ = ["Symbol", "Symbols", "symbols"]
-
-FloatArray = NDArray[np.float64]
 
 SUPPORT, LOAD = "#6b7280", "#30343b"
 

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray
 from fissura.pictures.meshes import meshes_of, steps_with_states
 from fissura.pictures.result_window import skin_of
 from fissura.reports.packed import packed_size, quantised
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from fissura.results.result import Result
 
 __all__ = ["MOST_BYTES", "chosen", "shown_steps", "states_of"]
-
-FloatArray = NDArray[np.float64]
 
 MOST_BYTES = 9_000_000
 """Letters that bodies and cracks of all steps may take in a page; libraries and curves come on top."""
@@ -151,7 +149,7 @@ def _widest_half(cracks: dict[str, Any]) -> dict[str, Any]:
     kept[np.argsort(opening, kind="stable")[len(sizes) - len(sizes) // 2 :]] = True
     corners = np.repeat(kept, sizes)
 
-    def part(values: dict[str, Any], which: NDArray[np.bool_]) -> dict[str, Any]:
+    def part(values: dict[str, Any], which: BoolArray) -> dict[str, Any]:
         return values | {"codes": values["codes"][which]}
 
     return {

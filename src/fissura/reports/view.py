@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.colors import Colormap, to_rgb
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.pictures.side_view import COARSE, FINE, HEAT, SHOWN, TENSION, magnification
 from fissura.pictures.specimen import Sight
 from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, signs_of
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from fissura.specimen import Domain
 
 __all__ = ["Marks", "scene_of"]
-
-FloatArray = NDArray[np.float64]
 
 Marks = tuple[str, FloatArray, FloatArray, str]
 """Points with values: what they are, where (k, 3) [m], their values (k,), and what values are called, with the unit."""

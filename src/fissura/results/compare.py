@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.results.comparable import common_quantity, comparison_notices
 from fissura.results.comparison import ENERGY, Comparison, difference
@@ -17,8 +17,6 @@ from fissura.results.load_path import LoadPath
 from fissura.results.result import Result
 
 __all__ = ["Comparison", "compare", "compare_results"]
-
-FloatArray = NDArray[np.float64]
 
 logger = logging.getLogger(__name__)
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.results.dataframe import frame
 from fissura.results.load_path import NAMES
 from fissura.text import quantities as text
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from fissura.results.result import Result
 
 __all__ = ["ENERGY", "Comparison", "difference"]
-
-FloatArray = NDArray[np.float64]
 
 ENERGY = "dissipated energy"
 

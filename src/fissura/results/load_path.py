@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.results.curve import COLUMN_OF, Curve
 
@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from fissura.case import Quantity
 
 __all__ = ["NAMES", "ROUND_OFF", "LoadPath"]
-
-FloatArray = NDArray[np.float64]
 
 NAMES: dict[Quantity, str] = {"gauge": "gauge", "displacement": "displacement of the load"}
 """What loads may be drawn and compared over, in words."""

@@ -7,8 +7,8 @@ import re
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.errors import Notice
 from fissura.results.curve import Curve, peak_position
 from fissura.results.load_path import ROUND_OFF
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
 
 __all__ = ["curve_notices", "negative_before_peak", "refined_late", "torn_at_places"]
-
-FloatArray = NDArray[np.float64]
 
 NO_LOAD = 1e-6
 """Share of the largest load below which a load is none."""

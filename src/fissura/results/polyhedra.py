@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.tessellation.structure import Polygons, Tessellation
 
 __all__ = ["Polyhedra", "polygon_normals", "polyhedra"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MERGE = 1e-6
 """Corners of one body closer than this part of its size (cube root of the volume) are one point."""
@@ -168,7 +165,7 @@ def _merge(points, bounds, tolerance, index, first):  # type: ignore[no-untyped-
     return count
 
 
-def _kept(index: IntArray, face: IntArray, faces: int) -> NDArray[np.bool_]:
+def _kept(index: IntArray, face: IntArray, faces: int) -> BoolArray:
     """Corners to keep: no repeated neighbours within a face, no faces of fewer than three corners."""
     size = np.bincount(face, minlength=faces)
     last = np.cumsum(size) - 1
@@ -176,5 +173,5 @@ def _kept(index: IntArray, face: IntArray, faces: int) -> NDArray[np.bool_]:
     following[last[size > 0]] = (last - size + 1)[size > 0]
     kept = index != index[following]
     enough = np.bincount(face[kept], minlength=faces) >= 3
-    keep: NDArray[np.bool_] = kept & enough[face]
+    keep: BoolArray = kept & enough[face]
     return keep

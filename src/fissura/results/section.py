@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import njit
 
 if TYPE_CHECKING:
@@ -15,10 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Outlines", "Rows", "Section", "cut", "outlines"]
 
-FloatArray = NDArray[np.float64]
 FloatArray32 = NDArray[np.float32]
-IntArray = NDArray[np.int64]
-
 OUTSIDE, ON_LEDGE = -1, -2
 """What stands for a body where there is none; see `Section`."""
 
@@ -44,7 +42,7 @@ class Section:
     """
 
     nucleus: IntArray
-    fine: NDArray[np.bool_]
+    fine: BoolArray
     lines: FloatArray32
     sides: NDArray[np.int32]
 

@@ -11,6 +11,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.files.atomic import write_atomically
 from fissura.results.polyhedra import Polyhedra, polyhedra
 from fissura.results.vtu import POLYGON, POLYHEDRON, Grid, write_vtu
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
     from fissura.simulation.step import Snapshot
 
 __all__ = ["SERIES", "bodies_grid", "contacts_grid", "file_name", "write_series", "write_snapshot"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SERIES = ("bodies", "contacts")
 """Names of the series of files."""

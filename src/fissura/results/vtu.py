@@ -13,6 +13,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.files.archive import level
 from fissura.files.atomic import replacing
 
@@ -27,8 +28,6 @@ BLOCK = 1 << 20
 WIDTH = 20
 """Room for an offset in the head, which is filled in after the arrays are written."""
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Arrays = Mapping[str, NDArray[Any]]
 
 
