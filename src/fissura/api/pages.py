@@ -11,7 +11,8 @@ from fissura.ensemble.result import EnsembleResult
 from fissura.errors import InputError
 from fissura.files.folder import claimed, kind_of
 from fissura.reports.libraries import require_libraries
-from fissura.reports.run import write_run_page
+from fissura.reports.page import write_page
+from fissura.reports.run import run_page
 from fissura.results.result import Result
 
 __all__ = ["report"]
@@ -71,7 +72,7 @@ def report(
     if runs:
         raise InputError("--runs", "is for ensembles, and this is a single run", "the folder of an ensemble")
     wanted = _place(source.folder, path)
-    write_run_page(source, wanted)
+    write_page(run_page(source), wanted)
     return wanted
 
 

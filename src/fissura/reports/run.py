@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from fissura.pictures.specimen_signs import signs_of
 from fissura.reports.bodies import shown_steps, states_of
 from fissura.reports.libraries import require_libraries
 from fissura.reports.origin import bibtex, bound_told, cited, origin_rows, seed_told, status_told
-from fissura.reports.page import rendered, write_page
+from fissura.reports.page import rendered
 from fissura.reports.view import scene_of
 from fissura.results.curve import COLUMN_OF, TEXTS
 from fissura.results.measured import read_measured
@@ -31,31 +30,22 @@ if TYPE_CHECKING:
     from fissura.results.result import Result
     from fissura.specimen import Domain
 
-__all__ = ["run_page", "write_run_page"]
+__all__ = ["run_page"]
 
 
-def write_run_page(result: Result, path: Path) -> None:
-    """Write the page of a run, as a whole or not at all.
+def run_page(result: Result) -> str:
+    """Make the page of a run.
 
     Parameters
     ----------
     result : Result
         Any run, also one that did not finish, or left no states.
-    path : Path
-        File to write.
 
     Raises
     ------
     InputError
-        The extra ``report`` is not installed, or the page would be larger than 15 MB.
-    OSError
-        It cannot be written.
+        The extra ``report`` is not installed.
     """
-    write_page(run_page(result), path)
-
-
-def run_page(result: Result) -> str:
-    """Make the page of a run; see `write_run_page`."""
     require_libraries()
     domain, notices = _domain(result)
     states, told = _states(result)
