@@ -56,7 +56,7 @@ def test_a_report_that_cannot_be_written(folder: Path, tmp_path: Path, monkeypat
     def full(data: str, path: Path) -> None:
         raise OSError(errno.ENOSPC, "No space left on device", str(path))
 
-    monkeypatch.setattr("fissura.reports.run.write_page", full)
+    monkeypatch.setattr("fissura.api.pages.write_page", full)
     done = call("report", folder, "--output", tmp_path / "a.html")
     assert done.exit_code == 4
     assert f"{tmp_path / 'a.html'}: cannot be written: No space left" in done.stderr
