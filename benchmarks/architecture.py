@@ -35,7 +35,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "study": ("definition.load_study", "runner.run_study", "measures.measure"),
     "ensemble": ("runner.run_ensemble", "plan.Plan", "result.EnsembleResult"),
     "batch": ("processes.computed",),
-    "reports": ("run.write_run_page", "page.rendered", "view.scene_of"),
+    "reports": ("run.run_page", "page.rendered", "view.scene_of"),
     "running": ("run.run", "recorder.Recorder", "checkpoint.Checkpoint"),
     "pictures": ("curves.curve_figure", "crack.plot_crack", "specimen.plot_specimen"),
     "progress": ("live.RunProgress", "time_left.TimeLeft"),
