@@ -22,9 +22,8 @@ from fissura.specimen import Domain, Solid
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.notches import Slot
-from fissura.specimen.shapes.box import box
-from fissura.specimen.shapes.cylinder import cylinder
 from fissura.specimen.shapes.outline import extruded
+from fissura.specimen.shapes.prism import box, cylinder
 from fissura.tessellation import Nuclei, Tessellation, clipped, discretize, select, voronoi
 from fissura.tessellation.polygon import areas_and_centroids
 from fissura.tessellation.voronoi import voronoi_cells

@@ -13,7 +13,7 @@ from fissura.material import Material
 from fissura.specimen import Domain, conditions_from_case, domain_from_case
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
-from fissura.specimen.shapes.box import box
+from fissura.specimen.shapes.prism import box
 from fissura.tessellation import Nuclei, discretize, nuclei_from_case
 
 CONCRETE = Material.standard(60e9, 0.29, 2.2e6, 35.0)

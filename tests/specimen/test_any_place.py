@@ -10,8 +10,7 @@ from fissura.errors import InputError
 from fissura.specimen import Domain, Solid
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.sampling import sampled_polygon
-from fissura.specimen.shapes.cylinder import cylinder
-from fissura.specimen.shapes.prism import box_half_spaces
+from fissura.specimen.shapes.prism import box_half_spaces, cylinder
 
 from .test_place import BOX, SPACING, check, notched, place
 

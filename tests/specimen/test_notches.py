@@ -11,8 +11,7 @@ from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.domain import Domain
 from fissura.specimen.notches import Slot
-from fissura.specimen.shapes.box import box
-from fissura.specimen.shapes.prism import box_half_spaces, prism_half_spaces
+from fissura.specimen.shapes.prism import box, box_half_spaces, prism_half_spaces
 from fissura.specimen.solid import Solid
 
 from .complexes import check, volume

@@ -13,8 +13,7 @@ from fissura.specimen import Domain, place_from_part
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.limits import SAMPLES
-from fissura.specimen.shapes.box import box
-from fissura.specimen.shapes.prism import AXES, FACES
+from fissura.specimen.shapes.prism import AXES, FACES, box
 from fissura.specimen.slots import slot_from_part
 
 SIZE = (0.12, 0.06, 0.04)

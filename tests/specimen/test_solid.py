@@ -11,8 +11,7 @@ from numpy.testing import assert_allclose
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.domain import Domain
 from fissura.specimen.planes import Planes
-from fissura.specimen.shapes.box import box
-from fissura.specimen.shapes.prism import FACES, box_half_spaces, prism_half_spaces
+from fissura.specimen.shapes.prism import FACES, box, box_half_spaces, prism_half_spaces
 from fissura.specimen.solid import Solid
 from fissura.specimen.tetrahedra import solid_of_tetrahedra
 

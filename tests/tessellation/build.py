@@ -16,10 +16,8 @@ from fissura.specimen import Domain, Solid
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.notches import Slot
-from fissura.specimen.shapes.box import box
-from fissura.specimen.shapes.cylinder import cylinder
 from fissura.specimen.shapes.outline import extruded
-from fissura.specimen.shapes.prism import FACES, box_half_spaces, prism_half_spaces
+from fissura.specimen.shapes.prism import FACES, box, box_half_spaces, cylinder, prism_half_spaces
 from fissura.specimen.tetrahedra import solid_of_tetrahedra
 from fissura.tessellation import Nuclei, Tessellation, discretize
 

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fissura.errors import InputError
 from fissura.specimen import Domain
 from fissura.specimen.assemble import complex_of
-from fissura.specimen.shapes.box import box
+from fissura.specimen.shapes.prism import box
 from fissura.tessellation import discretize, owners, tessellate
 
 from .build import L_F, NOTCHES, SHAPES, SIZE, box_with, discretized, nuclei_in, region, shape

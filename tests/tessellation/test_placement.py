@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from fissura.specimen import Domain
 from fissura.specimen.assemble import complex_of
-from fissura.specimen.shapes.box import box
+from fissura.specimen.shapes.prism import box
 from fissura.tessellation import discretize, place
 
 from .build import L_F, SHAPES, SIZE, box_with, expected_count, nuclei_in, shape

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from fissura.specimen import Domain, Solid
 from fissura.specimen.assemble import complex_of
-from fissura.specimen.shapes.box import box
+from fissura.specimen.shapes.prism import box
 from fissura.tessellation import Nuclei, Tessellation, clipped, discretize, tessellate
 
 from .build import L_F, box_with, nuclei_in, region, shape

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import Voronoi
 
 from fissura.specimen.assemble import complex_of
-from fissura.specimen.shapes.box import box
+from fissura.specimen.shapes.prism import box
 from fissura.tessellation.measures import volume_of
 from fissura.tessellation.polygon import areas_and_centroids
 from fissura.tessellation.voronoi import Cells, voronoi_cells

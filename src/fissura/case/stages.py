@@ -88,39 +88,10 @@ def resolved_stages(
     PydanticCustomError
         A name is not known or missing.
     """
-    placed = [
-        name for name in loads if name != GRAVITY
-    ] or loads  # the weight leads only where it is asked to, or alone
+    # The weight leads only where it is asked to, or alone.
+    placed = [name for name in loads if name != GRAVITY] or loads
     if control is not None:
-        by_gauge = control.type == "gauge" or (control.type == "dissipation" and bool(gauges))
-        if control.type == "gauge" and not gauges:
-            problem = 'missing, but control.type is "gauge"'
-            fail(problem, 'a table [gauge] with a and b, or control.type = "displacement"', "gauge")
-        gauge = _only(gauges, "gauge")
-        for names, key, clear in ((placed, "loads", len(placed) == 1), (gauges, "gauges", gauge or not by_gauge)):
-            if not clear:
-                fail(
-                    f"{len(names)} are given, and [control] does not say which one it applies", "[[stage]] tables", key
-                )
-        return (
-            LoadingStage(
-                "control",
-                ((placed[0], 1.0),),
-                "gauge" if by_gauge else "displacement",
-                gauge,
-                control.type == "dissipation",
-                (StageTarget(control.target),),
-                control.target,
-                control.max_step,
-                control.first_step,
-                control.min_step,
-                control.tolerance,
-                control.max_iterations,
-                control.switch,
-                control.stop_load,
-                control.energy_step,
-            ),
-        )
+        return (_of_control(control, placed, gauges),)
     begin = stages[0].targets[0]
     if begin.of:
         fail("begins with a share of a load, and there is none yet", "a value first", ("stage", 0, "to"))
@@ -133,6 +104,35 @@ def resolved_stages(
             problem = f"begins with a share of a load that is zero there: no stage before drives {names}"
             fail(f"{problem}{' in these ratios' * (len(stage.ratios) > 1)}", "a value first", ("stage", k, "to"))
     return resolved
+
+
+def _of_control(control: Control, placed: Sequence[str], gauges: Sequence[str]) -> LoadingStage:
+    """The stage of the table ``[control]``."""
+    by_gauge = control.type == "gauge" or (control.type == "dissipation" and bool(gauges))
+    if control.type == "gauge" and not gauges:
+        problem = 'missing, but control.type is "gauge"'
+        fail(problem, 'a table [gauge] with a and b, or control.type = "displacement"', "gauge")
+    gauge = _only(gauges, "gauge")
+    for names, key, clear in ((placed, "loads", len(placed) == 1), (gauges, "gauges", gauge or not by_gauge)):
+        if not clear:
+            fail(f"{len(names)} are given, and [control] does not say which one it applies", "[[stage]] tables", key)
+    return LoadingStage(
+        "control",
+        ((placed[0], 1.0),),
+        "gauge" if by_gauge else "displacement",
+        gauge,
+        control.type == "dissipation",
+        (StageTarget(control.target),),
+        control.target,
+        control.max_step,
+        control.first_step,
+        control.min_step,
+        control.tolerance,
+        control.max_iterations,
+        control.switch,
+        control.stop_load,
+        control.energy_step,
+    )
 
 
 def _loaded(stage: LoadingStage, before: Sequence[LoadingStage]) -> bool:

@@ -16,12 +16,10 @@ from fissura.specimen.convex import Degenerate
 from fissura.specimen.cutting import cut_notches
 from fissura.specimen.domain import Domain
 from fissura.specimen.limits import FARTHEST
-from fissura.specimen.shapes.box import box
-from fissura.specimen.shapes.cylinder import cylinder
 from fissura.specimen.shapes.mesh import mesh
 from fissura.specimen.shapes.minus import subtract
 from fissura.specimen.shapes.outline import extruded
-from fissura.specimen.shapes.prism import AXES
+from fissura.specimen.shapes.prism import AXES, box, cylinder
 from fissura.specimen.slots import slot_from_part
 from fissura.specimen.solid import Solid
 

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from fissura.tessellation.discretize import discretize, tessellate
-from fissura.tessellation.footprint import Footprint, footprint
+from fissura.tessellation.footprint import footprint
 from fissura.tessellation.nuclei import Nuclei, nuclei_from_case
 from fissura.tessellation.owners import Bodies, owners
 from fissura.tessellation.placement import place
 from fissura.tessellation.selection import select
-from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
+from fissura.tessellation.structure import Contacts, SurfaceFacets, Tessellation
 
 __all__ = [
     "Bodies",
     "Contacts",
-    "Footprint",
     "Nuclei",
-    "Polygons",
     "SurfaceFacets",
     "Tessellation",
     "discretize",

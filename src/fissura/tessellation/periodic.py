@@ -8,7 +8,7 @@ import numpy as np
 
 from fissura.arrays import FloatArray, IntArray
 from fissura.specimen.assemble import complex_of
-from fissura.specimen.shapes.box import box
+from fissura.specimen.shapes.prism import box
 from fissura.tessellation.clipped import Setting, clipped, plane_keys
 from fissura.tessellation.limits import LAYER, NEGLIGIBLE
 from fissura.tessellation.measures import lines, volumes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -57,14 +58,8 @@ def tetrahedra_of(path: Path, key: str, l_f: float) -> tuple[FloatArray, IntArra
         gmsh.option.setNumber("Mesh.MeshSizeMin", l_f)
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", SIDES_OF_MESHER)
         gmsh.merge(str(path))
-        surfaces = [tag for _, tag in gmsh.model.getEntities(2)]
         if path.suffix.lower() in (".stl", ".obj", ".off", ".ply"):
-            triangles = sum(len(gmsh.model.mesh.getElements(2, tag)[1][0]) for tag in surfaces)
-            if triangles > MOST_TRIANGLES:
-                raise InputError(key, f"{path.name} has {triangles} triangles", f"at most {MOST_TRIANGLES}")
-            loop = gmsh.model.geo.addSurfaceLoop(surfaces)
-            gmsh.model.geo.addVolume([loop])
-            gmsh.model.geo.synchronize()
+            _fill_surfaces(gmsh.model, path.name, key)
         gmsh.model.mesh.generate(3)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         _, corners = gmsh.model.mesh.getElementsByType(4)
@@ -79,3 +74,13 @@ def tetrahedra_of(path: Path, key: str, l_f: float) -> tuple[FloatArray, IntArra
     number = np.zeros(int(tags.max()) + 1, np.int64)
     number[tags.astype(np.int64)] = np.arange(len(tags))
     return coordinates.reshape(-1, 3), number[corners.astype(np.int64)].reshape(-1, 4), {}
+
+
+def _fill_surfaces(model: Any, file: str, key: str) -> None:
+    """Make a volume of the triangles of a file."""
+    surfaces = [tag for _, tag in model.getEntities(2)]
+    triangles = sum(len(model.mesh.getElements(2, tag)[1][0]) for tag in surfaces)
+    if triangles > MOST_TRIANGLES:
+        raise InputError(key, f"{file} has {triangles} triangles", f"at most {MOST_TRIANGLES}")
+    model.geo.addVolume([model.geo.addSurfaceLoop(surfaces)])
+    model.geo.synchronize()

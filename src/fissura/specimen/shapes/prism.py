@@ -1,13 +1,17 @@
-"""Half-spaces of boxes and of convex prisms."""
+"""Boxes, convex prisms and cylinders: their half-spaces, and solids of one of them."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fissura.arrays import FloatArray
+from fissura.specimen.shapes.arcs import circle
+from fissura.specimen.solid import Solid
 
-__all__ = ["AXES", "FACES", "box_half_spaces", "prism_half_spaces"]
+__all__ = ["AXES", "FACES", "box", "box_half_spaces", "cylinder", "prism_half_spaces"]
 
 #: Axes by name.
 AXES = {"x": 0, "y": 1, "z": 2}
@@ -58,3 +62,43 @@ def prism_half_spaces(polygon: ArrayLike, low: float, high: float, axis: int = 2
         out.append((normal, float(0.5 * (normal[u] * (a[0] + b[0]) + normal[v] * (a[1] + b[1])))))
     end = np.eye(3)[axis]
     return [*out, (-end, -low), (end, high)]
+
+
+def box(size: Sequence[float]) -> Solid:
+    """A box that occupies ``[0, size]``.
+
+    Parameters
+    ----------
+    size : three floats
+        Length along x, depth along y, thickness along z [m].
+    """
+    solid = Solid(np.zeros(3), size)
+    solid.add(box_half_spaces(np.zeros(3), size), FACES)
+    return solid
+
+
+def cylinder(diameter: float, length: float, axis: int, l_f: float) -> Solid:
+    """A cylinder around an axis, from the origin.
+
+    Parameters
+    ----------
+    diameter, length : float
+        Dimensions [m].
+    axis : int
+        Number of its axis.
+    l_f : float
+        Spacing of fine nuclei, which decides how many sides stand for its round surface [m].
+
+    Returns
+    -------
+    Solid
+        Its surfaces are called ``lateral``, ``bottom`` (at the origin) and ``top``.
+    """
+    polygon = circle(diameter, l_f)
+    high = np.full(3, float(np.abs(polygon).max()))
+    low = -high
+    low[axis], high[axis] = 0.0, length
+    solid = Solid(low, high)
+    solid.surfaces += ["lateral", "bottom", "top"]
+    solid.add(prism_half_spaces(polygon, 0.0, length, axis), [*["lateral"] * len(polygon), "bottom", "top"])
+    return solid
