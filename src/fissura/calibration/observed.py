@@ -9,15 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.calibration.problem import Test
 from fissura.errors import InputError
 from fissura.results.load_path import LoadPath
 
 __all__ = ["POINTS", "Observed", "at_points", "observed"]
-
-FloatArray = NDArray[np.float64]
 
 POINTS = 60
 """Points at which loads are compared, of each test."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.case import Case, Quantity
 from fissura.case.points import Value, points_of
 from fissura.case.units import ACCELERATION, DENSITY, DURATION, ENERGY_PER_AREA, FORCE, LENGTH, STRESS, Dimension, told
@@ -15,8 +15,6 @@ from fissura.errors import InputError
 from fissura.results.measured import MeasuredBand
 
 __all__ = ["Problem", "Test", "Unknown", "number_of"]
-
-FloatArray = NDArray[np.float64]
 
 _DIMENSIONS = (STRESS, ENERGY_PER_AREA, LENGTH, FORCE, DENSITY, ACCELERATION, DURATION)
 

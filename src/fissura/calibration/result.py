@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.batch.result import FolderResult
 from fissura.errors import InputError
 from fissura.files.folder import FolderKind
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Calibration", "Estimate", "Fit"]
-
-FloatArray = NDArray[np.float64]
 
 _ALLOWED = "the calibration.json of a Fissura calibration"
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.batch.machines import Machines
 from fissura.calibration.observed import Observed, at_points
 from fissura.calibration.problem import Problem, Test
@@ -24,7 +24,6 @@ from fissura.results.summary import read_summary
 
 __all__ = ["OnRound", "Rounds"]
 
-FloatArray = NDArray[np.float64]
 OnRound = Callable[[int, list[dict[str, float]], int], None]
 
 

@@ -12,9 +12,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from fissura.arrays import FloatArray
 from fissura.calibration.observed import Observed
 from fissura.calibration.problem import Problem
 from fissura.calibration.surrogate import Samples, Surrogate, fitted
@@ -22,8 +22,6 @@ from fissura.calibration.uncertainty import Uncertainty, residuals, uncertainty,
 from fissura.errors import InputError
 
 __all__ = ["STEP", "Found", "Simulate", "least_runs", "search"]
-
-FloatArray = NDArray[np.float64]
 
 Simulate = Callable[[FloatArray, int], tuple[FloatArray, Sequence[Samples]]]
 """What is called with wanted coordinates, shape (designs, m), and a number of seeds: gives those that were run, and the

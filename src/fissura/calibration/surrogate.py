@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fissura.arrays import BoolArray, FloatArray, IntArray
 
 __all__ = ["Samples", "Surrogate", "fitted"]
-
-FloatArray = NDArray[np.float64]
 
 #: Standard deviations of the priors, loads over their peak, coordinates as they are: slopes and curvatures.
 _SLOPE, _CURVATURE = 3.0, 0.7
@@ -41,7 +40,7 @@ class Samples:
     """
 
     coordinates: FloatArray
-    seed: NDArray[np.int64]
+    seed: IntArray
     loads: FloatArray
 
     @classmethod
@@ -57,7 +56,7 @@ class Samples:
             np.concatenate([self.loads, other.loads]),
         )
 
-    def chosen(self, rows: NDArray[np.bool_], points: NDArray[np.bool_]) -> Samples:
+    def chosen(self, rows: BoolArray, points: BoolArray) -> Samples:
         """Some of the runs, at some of the points."""
         return Samples(self.coordinates[rows], self.seed[rows], self.loads[np.ix_(rows, points)])
 

@@ -14,16 +14,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from fissura.arrays import FloatArray
 from fissura.calibration.observed import Observed
 from fissura.calibration.problem import Problem
 from fissura.calibration.surrogate import Surrogate
 
 __all__ = ["SURE", "Uncertainty", "residuals", "uncertainty", "weighted_jacobian"]
-
-FloatArray = NDArray[np.float64]
 
 SURE = 0.95
 """Probability of the intervals that are told."""

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.files.atomic import write_atomically
 from fissura.results.curve import COLUMN_OF
 from fissura.results.load_path import LoadPath
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from fissura.case import Quantity
 
 __all__ = ["Band", "band", "write_bands"]
-
-FloatArray = NDArray[np.float64]
 
 POINTS = 200
 """Intervals of the abscissa."""
@@ -58,14 +56,14 @@ class Band:
 
     over: str
     abscissa: FloatArray
-    count: NDArray[np.int64]
+    count: IntArray
     mean: FloatArray
     percentiles: FloatArray
     value: FloatArray
     quantity: Quantity = "gauge"
 
     @property
-    def whole(self) -> NDArray[np.bool_]:
+    def whole(self) -> BoolArray:
         """Where every run counts, shape (k,)."""
         return np.asarray(self.count == self.count.max())
 

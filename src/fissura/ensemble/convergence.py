@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtri, stdtrit
 
-__all__ = ["Convergence", "convergence", "cov_interval", "mean_interval"]
+from fissura.arrays import FloatArray, IntArray
 
-FloatArray = NDArray[np.float64]
+__all__ = ["Convergence", "convergence", "cov_interval", "mean_interval"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +24,7 @@ class Convergence:
         Estimate, lower and upper confidence bound.
     """
 
-    n: NDArray[np.int64]
+    n: IntArray
     mean: FloatArray
     cov: FloatArray
 
@@ -57,7 +56,7 @@ def convergence(values: FloatArray, confidence: float = 0.95) -> Convergence:
 
 
 def mean_interval(
-    n: NDArray[np.int64], mean: FloatArray, deviation: FloatArray, confidence: float
+    n: IntArray, mean: FloatArray, deviation: FloatArray, confidence: float
 ) -> tuple[FloatArray, FloatArray]:
     """Confidence interval of the mean by Student's t.
 
@@ -74,7 +73,7 @@ def mean_interval(
     return mean - half, mean + half
 
 
-def cov_interval(n: NDArray[np.int64], cov: FloatArray, confidence: float) -> tuple[FloatArray, FloatArray]:
+def cov_interval(n: IntArray, cov: FloatArray, confidence: float) -> tuple[FloatArray, FloatArray]:
     """Confidence interval of a coefficient of variation (Vangel 1996, modified McKay).
 
     It is for Gaussian populations and coefficients below about 0.33. The upper bound is infinite where there is none.

@@ -14,12 +14,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtr, ndtri
 
-__all__ = ["FAMILIES", "GAUSSIAN", "WEIBULL", "Family", "Fit", "fit", "median_ranks"]
+from fissura.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
+__all__ = ["FAMILIES", "GAUSSIAN", "WEIBULL", "Family", "Fit", "fit", "median_ranks"]
 
 BOOTSTRAPS = 4000
 """Standard samples for bounds: their 5 % points are then known within about 0.35 %."""

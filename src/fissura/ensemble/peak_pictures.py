@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.ensemble.distributions import GAUSSIAN, WEIBULL, Family, Fit, median_ranks
 from fissura.ensemble.result import EnsembleResult
 from fissura.pictures.curves import BLUE, INK, LIGHT, ORANGE, headline, legend, tidy
@@ -16,8 +16,6 @@ from fissura.text import quantities as text
 from fissura.text.units import scale_of
 
 __all__ = ["plot_convergence", "plot_papers", "plot_peaks"]
-
-FloatArray = NDArray[np.float64]
 
 WIDE = 7.2
 COLOURS = {"Gaussian": BLUE, "Weibull": ORANGE}

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Any, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from fissura.arrays import FloatArray
 from fissura.case import Case
 from fissura.case.ensemble import COMBINE, Combine, Varied
 from fissura.case.points import Point, points_of
@@ -21,8 +21,6 @@ from fissura.ensemble.task import Companions, Key, Kind, Mode, Sampling, Task
 from fissura.errors import InputError
 
 __all__ = ["LEADING_MODES", "MOST_RUNS", "Plan", "whole_number"]
-
-FloatArray = NDArray[np.float64]
 
 MOST_RUNS = 100_000
 """Largest number of realisations: each has a folder of its own, and the tables are in memory as a whole."""

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray
 from fissura.batch.result import FolderResult
 from fissura.case import case_from_dict
 from fissura.case.ensemble import lists_of_values
@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["EnsembleResult"]
-
-FloatArray = NDArray[np.float64]
 
 #: Runs that a notebook names one by one, at most.
 _TOLD = 10

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.ensemble.convergence import Convergence, convergence
 from fissura.ensemble.distributions import FAMILIES, Fit, fit
 from fissura.ensemble.seeds import RESAMPLING, spawned
 from fissura.ensemble.table import Table, select
 
 __all__ = ["QUANTITIES", "Statistics", "statistics"]
-
-FloatArray = NDArray[np.float64]
 
 QUANTITIES = {
     "peak_load_N": "peak load",
@@ -54,8 +52,8 @@ class Statistics:
     True
     """
 
-    counted: NDArray[np.bool_]
-    numbers: NDArray[np.int64]
+    counted: BoolArray
+    numbers: IntArray
     peaks: FloatArray
     fits: dict[str, Fit]
     convergence: Convergence

@@ -30,8 +30,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.study.record import Energies
 
 if TYPE_CHECKING:
@@ -39,10 +39,6 @@ if TYPE_CHECKING:
     from fissura.tessellation import Tessellation
 
 __all__ = ["INDICATORS", "OBSERVED", "Observer"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: Names of the indicators that have a value in every step.
 OBSERVED = (

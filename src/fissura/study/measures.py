@@ -19,10 +19,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fissura.adaptivity import load_error_bound
+from fissura.arrays import IntArray
 from fissura.errors import InputError
 from fissura.results.compare import compare_results
 from fissura.results.curve import COLUMN_OF, peak_position
@@ -30,8 +30,6 @@ from fissura.study.indicators import INDICATORS
 from fissura.study.record import Energies, Record
 
 __all__ = ["CRACK", "Measures", "crack_position", "crack_share", "measure", "overlap"]
-
-FloatArray = NDArray[np.float64]
 
 CRACK = 0.5
 """Share of the dissipated energy that makes the crack."""
@@ -175,11 +173,11 @@ def measure(adaptive: Record, full: Record) -> Measures:
     )
 
 
-def crack_of(energies: Energies) -> NDArray[np.int64]:
+def crack_of(energies: Energies) -> IntArray:
     """Contacts of the crack: the fewest that dissipated `CRACK` of the energy; indices, the largest energy first."""
     order = np.argsort(-energies.energy, kind="stable")
     before = np.cumsum(energies.energy[order]) - energies.energy[order]
-    crack: NDArray[np.int64] = order[before < CRACK * energies.energy.sum()]
+    crack: IntArray = order[before < CRACK * energies.energy.sum()]
     return crack
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import FloatArray, IntArray
 from fissura.case import Case, case_from_dict
 from fissura.errors import InputError
 from fissura.files.archive import read_archive, write_archive
@@ -20,9 +20,6 @@ from fissura.results.result import Result
 __all__ = ["FORMAT", "FORMAT_VERSION", "Energies", "Record", "case_text"]
 
 FORMAT, FORMAT_VERSION = "fissura-study-run", 1
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fissura.arrays import BoolArray, FloatArray
 from fissura.study.definition import Limits
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
@@ -25,8 +25,6 @@ __all__ = [
     "spread",
     "twins",
 ]
-
-FloatArray = NDArray[np.float64]
 
 SAME_CRACK = 0.8
 """Overlap of energies from which a crack is the same."""
@@ -160,7 +158,7 @@ class Localisation:
     variation: str
     adaptive: FloatArray
     full: FloatArray
-    same: NDArray[np.bool_]
+    same: BoolArray
     statistic: float
     probability: float
 
