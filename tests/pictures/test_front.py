@@ -3,7 +3,7 @@ import pytest
 
 from fissura.pictures.front import rims, seen
 from fissura.simulation.loop import Simulation
-from fissura.tessellation.structure import Polygons
+from fissura.tessellation.tessellation import Polygons
 from results.synthetic import stack
 
 

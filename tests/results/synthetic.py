@@ -10,7 +10,7 @@ from scipy.spatial import Voronoi
 from fissura.case import case_from_dict
 from fissura.simulation.step import Snapshot, Step
 from fissura.specimen import domain_from_case
-from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
+from fissura.tessellation.tessellation import Contacts, Polygons, SurfaceFacets, Tessellation
 
 FACES = ("left", "right", "bottom", "top", "front", "back")
 

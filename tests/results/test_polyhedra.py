@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from fissura.results.polyhedra import polygon_normals, polyhedra
-from fissura.tessellation.structure import Polygons
+from fissura.tessellation.tessellation import Polygons
 
 from .synthetic import random_points, stack, voronoi_structure
 

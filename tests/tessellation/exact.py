@@ -9,7 +9,7 @@ from fissura.specimen import Domain
 from fissura.specimen.shapes.prism import FACES
 from fissura.tessellation import Tessellation, owners
 from fissura.tessellation.polygon import areas_and_centroids
-from fissura.tessellation.structure import LEDGE
+from fissura.tessellation.tessellation import LEDGE
 
 
 def _facets(t: Tessellation) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ import numpy as np
 from fissura.arrays import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from fissura.tessellation.structure import Polygons, SurfaceFacets
+    from fissura.tessellation.tessellation import Polygons, SurfaceFacets
 
 __all__ = ["projected", "rims", "seen"]
 

@@ -10,7 +10,7 @@ import numpy as np
 from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.specimen import Domain, Place, gauge_from_part, load_direction, place_from_part
 from fissura.specimen.planes import unit
-from fissura.tessellation.structure import LEDGE
+from fissura.tessellation.tessellation import LEDGE
 
 if TYPE_CHECKING:
     from fissura.case import Case

@@ -8,7 +8,7 @@ import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import INNER, njit
-from fissura.tessellation.structure import Polygons, Tessellation
+from fissura.tessellation.tessellation import Polygons, Tessellation
 
 __all__ = ["Polyhedra", "polygon_normals", "polyhedra"]
 

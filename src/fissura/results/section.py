@@ -12,7 +12,7 @@ from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import njit
 
 if TYPE_CHECKING:
-    from fissura.tessellation.structure import Polygons, Tessellation
+    from fissura.tessellation.tessellation import Polygons, Tessellation
 
 __all__ = ["Outlines", "Rows", "Section", "cut", "outlines"]
 

@@ -10,7 +10,7 @@ import numpy as np
 from fissura.errors import InputError
 from fissura.files.archive import read_archive, write_archive
 from fissura.simulation.step import Snapshot
-from fissura.tessellation.structure import Contacts, Polygons, SurfaceFacets, Tessellation
+from fissura.tessellation.tessellation import Contacts, Polygons, SurfaceFacets, Tessellation
 
 if TYPE_CHECKING:
     from fissura.simulation.step import Moment, Step

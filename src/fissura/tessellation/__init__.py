@@ -8,7 +8,7 @@ from fissura.tessellation.nuclei import Nuclei, nuclei_from_case
 from fissura.tessellation.owners import Bodies, owners
 from fissura.tessellation.placement import place
 from fissura.tessellation.selection import select
-from fissura.tessellation.structure import Contacts, SurfaceFacets, Tessellation
+from fissura.tessellation.tessellation import Contacts, SurfaceFacets, Tessellation
 
 __all__ = [
     "Bodies",

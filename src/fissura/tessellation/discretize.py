@@ -13,7 +13,7 @@ from fissura.tessellation.limits import LOST, LOST_IN_SLIVERS, NEGLIGIBLE, SLIVE
 from fissura.tessellation.measures import Joined, joined, lines, volume_of, volumes
 from fissura.tessellation.nuclei import Nuclei
 from fissura.tessellation.selection import select
-from fissura.tessellation.structure import LEDGE, Contacts, Polygons, SurfaceFacets, Tessellation
+from fissura.tessellation.tessellation import LEDGE, Contacts, Polygons, SurfaceFacets, Tessellation
 from fissura.tessellation.voronoi import Cells, voronoi_cells
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from fissura.kernels import njit
 from fissura.specimen.surface_part import SurfacePart
 from fissura.tessellation.limits import NOTHING, SAME_NORMAL, SAME_PLANE
 from fissura.tessellation.polygon import areas_and_centroids, clip
-from fissura.tessellation.structure import SurfaceFacets
+from fissura.tessellation.tessellation import SurfaceFacets
 
 __all__ = ["Footprint", "footprint"]
 

@@ -13,7 +13,7 @@ from fissura.tessellation.clipped import Setting, clipped, plane_keys
 from fissura.tessellation.limits import LAYER, NEGLIGIBLE
 from fissura.tessellation.measures import lines, volumes
 from fissura.tessellation.periodic_placement import place_periodic
-from fissura.tessellation.structure import Contacts, Polygons
+from fissura.tessellation.tessellation import Contacts, Polygons
 
 __all__ = ["PeriodicCell", "periodic_cell"]
 

@@ -1,4 +1,4 @@
-"""The discrete structure: rigid bodies, contacts between them, facets on the specimen's surface."""
+"""A tessellation: rigid bodies, contacts between them, facets on the specimen's surface."""
 
 from __future__ import annotations
 
