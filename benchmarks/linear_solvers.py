@@ -159,7 +159,7 @@ def _beam_row(name: str, seed: int, size: int, *, memory: bool = True) -> dict[s
 def _cracked(system: System, case: Case, share: float) -> FloatArray:
     """Entries of the secant stiffness with a crack from the notch through a share of the ligament."""
     notch, x = case.notch[0], system.tessellation.x
-    bodies = system.tessellation.contacts.bodies[system.active]
+    bodies = system.tessellation.contacts.bodies[system.damageable]
     sides = x[bodies, 0] < notch.position
     below = x[bodies, 1].mean(axis=1) < notch.depth + share * (case.specimen.size[1] - notch.depth)
     history = system.virgin().copy()
@@ -210,7 +210,7 @@ def _memory(system: System, names: list[str]) -> dict[str, float]:
 
 def _bar_row(seed: int, size: int) -> dict[str, Any]:
     _, system = _system("tension_bar", seed, size)
-    row = {"kind": "bar", "bodies": len(system.tessellation), "held": len(system.pattern.wide.bodies)}
+    row = {"kind": "bar", "bodies": len(system.tessellation), "held": len(system.pattern.low_rank.bodies)}
     return row | _two_level(system, _secant(system, system.virgin()))
 
 

@@ -51,8 +51,8 @@ def test_active_contacts_are_fine_and_outside(systems):
     there = elastic.contains(contacts.centroid)
     assert (there & contacts.fine).any()
     assert (there & ~contacts.fine).any()
-    np.testing.assert_array_equal(held.active, np.flatnonzero(contacts.fine & ~there))
-    assert sorted([*held.active, *elastic_contacts(held)]) == list(range(len(contacts)))
+    np.testing.assert_array_equal(held.damageable, np.flatnonzero(contacts.fine & ~there))
+    assert sorted([*held.damageable, *elastic_contacts(held)]) == list(range(len(contacts)))
     np.testing.assert_array_equal(held.coarse, elastic_contacts(plain))
 
 

@@ -100,9 +100,9 @@ def test_elastic_regions_keep_their_mean():
 
 def test_energy_with_a_field_of_its_own():
     system = Simulation(beam(field={**FIELD, "energy": {"cross_correlation": 0.5, "cov": 0.15}}))._discretization.system
-    x = system.tessellation.contacts.centroid[system.active]
+    x = system.tessellation.contacts.centroid[system.damageable]
     h, g = system.field.strength(x), system.field.energy(x)
-    m, length = system.law.material, system.tessellation.contacts.length[system.active]
+    m, length = system.law.material, system.tessellation.contacts.length[system.damageable]
     f = m.f_t * h
     np.testing.assert_allclose(system.law.k_t, 2 * m.E * f**2 * length / (2 * m.E * m.G_t * g - f**2 * length))
     brittle = beam(field={**FIELD, "energy": {"marginal": "weibull", "cov": 1.5}}, material={"G_t": 3.0})

@@ -41,15 +41,15 @@ def fine(small_case):
 def test_needed_bodies(fine, strain, damage, largest_n, largest_t, used, needed, monkeypatch):
     """One contact differs from all others, which have unloaded: its two bodies are needed or not."""
     tessellation, _, _ = fine
-    active = np.arange(len(tessellation.contacts))
-    strains = np.tile([0.0, 0.0, 0.0], (len(active), 1))
-    history = np.tile([0.0, 1e-9, 0.0], (len(active), 1))
+    damageable = np.arange(len(tessellation.contacts))
+    strains = np.tile([0.0, 0.0, 0.0], (len(damageable), 1))
+    history = np.tile([0.0, 1e-9, 0.0], (len(damageable), 1))
     strains[7], history[7] = strain, [damage, largest_n, largest_t]
     law = CusatisCedolin.create(CONCRETE, tessellation.contacts.length)
-    utilisation = np.zeros(len(active))
+    utilisation = np.zeros(len(damageable))
     utilisation[7] = used
     monkeypatch.setattr(CusatisCedolin, "utilisation", lambda self, strain: utilisation)
-    found = needed_bodies(tessellation, active, law, strains, history, 0.6)
+    found = needed_bodies(tessellation, damageable, law, strains, history, 0.6)
     expected = np.zeros(len(tessellation), bool)
     expected[tessellation.contacts.bodies[7]] = needed
     assert_array_equal(found, expected)

@@ -92,13 +92,13 @@ def tangent_entries(system, response, history):
     """Entries of the consistent tangent stiffness at a response."""
     stiffness = np.zeros((len(system.geometry), 3, 3))
     stiffness[:, range(3), range(3)] = system.moduli
-    stiffness[system.active] = system.law.tangent(response.strain[system.active], history)
+    stiffness[system.damageable] = system.law.tangent(response.strain[system.damageable], history)
     return assemble(system.geometry, system.pattern, stiffness)
 
 
 def elastic_contacts(system):
     """Contacts without the damage law."""
-    return np.setdiff1d(np.arange(len(system.geometry)), system.active)
+    return np.setdiff1d(np.arange(len(system.geometry)), system.damageable)
 
 
 def admitted(domain, cell, x):

@@ -44,7 +44,7 @@ def columns():
 
 def cut(system):
     """History of a system that is cut in two in the middle."""
-    ends = system.tessellation.x[system.tessellation.contacts.bodies[system.active], 0]
+    ends = system.tessellation.x[system.tessellation.contacts.bodies[system.damageable], 0]
     history = system.virgin()
     history[(ends[:, 0] < 0.5 * LENGTH) != (ends[:, 1] < 0.5 * LENGTH), 0] = 1.0 - 1e-9
     return history

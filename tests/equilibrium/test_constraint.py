@@ -73,8 +73,8 @@ def test_holding_weighs_contacts_by_their_growth(system, states):
     assert constraint.load_factor == 0.0
     assert constraint.met(b.response.u, b.load)
     u = np.random.default_rng(1).normal(size=system.size) * 1e-6
-    strain = contact_strains(system.geometry, u.reshape(-1, 6))[system.active]
-    work = np.einsum("ca,ca->c", b.response.traction[system.active], strain)
-    assert constraint.vector @ u == pytest.approx((system.geometry.volume[system.active] * growth * work).sum())
+    strain = contact_strains(system.geometry, u.reshape(-1, 6))[system.damageable]
+    work = np.einsum("ca,ca->c", b.response.traction[system.damageable], strain)
+    assert constraint.vector @ u == pytest.approx((system.geometry.volume[system.damageable] * growth * work).sum())
     assert holding(system, b.response, a.response) is None or (growth < 0).any()
     assert holding(system, b.response, b.response) is None

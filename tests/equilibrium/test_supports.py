@@ -86,7 +86,7 @@ def test_stiffness_is_that_of_exact_supports(changes):
     exact = spsolve(equations, np.append(system.load, np.zeros(rows.shape[0])))[: system.size]
     state = settle(system, system.virgin(), 1.0)
     stiffness = 1.0 / float(system.load @ exact)
-    assert len(system.pattern.wide) == 0
+    assert len(system.pattern.low_rank) == 0
     assert state.load < stiffness
     assert state.load == pytest.approx(stiffness, rel=1e-5)
 

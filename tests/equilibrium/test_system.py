@@ -73,15 +73,15 @@ def test_attached_functional_measures_points_of_bodies(mixed):
 def test_only_contacts_of_two_fine_bodies_are_damaged(mixed):
     fine = mixed.tessellation.fine
     bodies = mixed.tessellation.contacts.bodies
-    np.testing.assert_array_equal(mixed.active, np.flatnonzero(fine[bodies[:, 0]] & fine[bodies[:, 1]]))
-    assert 0 < len(mixed.active) < len(bodies)
-    assert sorted([*mixed.active, *elastic_contacts(mixed)]) == list(range(len(bodies)))
+    np.testing.assert_array_equal(mixed.damageable, np.flatnonzero(fine[bodies[:, 0]] & fine[bodies[:, 1]]))
+    assert 0 < len(mixed.damageable) < len(bodies)
+    assert sorted([*mixed.damageable, *elastic_contacts(mixed)]) == list(range(len(bodies)))
     u = np.random.default_rng(3).normal(size=mixed.size) * 2e-6
     response = mixed.response(u, mixed.virgin())
     np.testing.assert_allclose(
         response.traction[elastic_contacts(mixed)], (mixed.moduli * response.strain)[elastic_contacts(mixed)]
     )
-    assert np.linalg.norm(response.traction[mixed.active], axis=1).max() < 20 * CONCRETE.f_t
+    assert np.linalg.norm(response.traction[mixed.damageable], axis=1).max() < 20 * CONCRETE.f_t
     assert response.history[:, 0].max() > 0.5
 
 
@@ -97,7 +97,7 @@ def test_scale_acts_on_elastic_contacts_alone(mixed):
     np.testing.assert_allclose(
         b.traction[elastic_contacts(mixed)], 1.3 * a.traction[elastic_contacts(mixed)], rtol=1e-12
     )
-    np.testing.assert_array_equal(b.traction[mixed.active], a.traction[mixed.active])
+    np.testing.assert_array_equal(b.traction[mixed.damageable], a.traction[mixed.damageable])
     np.testing.assert_allclose(
         other.elastic_utilisation(b), 1.3 * mixed.elastic_utilisation(a), rtol=1e-12, atol=1e-300
     )
@@ -125,7 +125,7 @@ def test_elastic_utilisation_is_one_at_strength(mixed):
     u[contacts.bodies[c, 1], :3] = YIELD * contacts.length[c] * contacts.normal[c]
     value = mixed.elastic_utilisation(mixed.response(u.ravel(), mixed.virgin()))
     assert value[c] == pytest.approx(1.0, rel=1e-12)
-    assert not value[mixed.active].any()
+    assert not value[mixed.damageable].any()
 
 
 def test_energies(mixed):
@@ -186,14 +186,14 @@ def test_elastic_forces_are_those_of_the_secant_matrix_without_damage(mixed):
 
 def test_contacts_that_differ_from_a_secant_stiffness(mixed):
     rng = np.random.default_rng(4)
-    intact = rng.uniform(0.1, 1.0, (len(mixed.active), 3))
-    tangent = np.zeros((len(mixed.active), 3, 3))
-    tangent[:, range(3), range(3)] = intact * mixed.moduli[mixed.active]
-    of = (mixed.moduli, mixed.active, limits.SAME_STIFFNESS * mixed.stiffest)
+    intact = rng.uniform(0.1, 1.0, (len(mixed.damageable), 3))
+    tangent = np.zeros((len(mixed.damageable), 3, 3))
+    tangent[:, range(3), range(3)] = intact * mixed.moduli[mixed.damageable]
+    of = (mixed.moduli, mixed.damageable, limits.SAME_STIFFNESS * mixed.stiffest)
     differ = np.array([0, 3, len(tangent) - 1])
     by = 1e-9 * CONCRETE.E * rng.normal(size=(3, 3, 3))
     tangent[differ] += by
     contacts, change = changes(tangent, intact, *of)
-    np.testing.assert_array_equal(contacts, mixed.active[differ])
+    np.testing.assert_array_equal(contacts, mixed.damageable[differ])
     np.testing.assert_allclose(change, by, atol=1e-14 * CONCRETE.E)
     assert len(changes(tangent, intact + 1e-9, *of)[0]) == len(tangent)

@@ -39,7 +39,7 @@ def direct(system, state, residual, constraint, gap):
 
 def corrected(system, state, residual, constraint, gap, tolerance=1e-10):
     solver = TangentSolver(system)
-    stiffness = system.law.tangent(state.response.strain[system.active], system.virgin())
+    stiffness = system.law.tangent(state.response.strain[system.damageable], system.virgin())
     found = solver.solve(state.response, stiffness, state.load, residual, constraint, gap, tolerance)
     return *found, solver.iterations
 
@@ -111,7 +111,7 @@ def test_damage_and_displacements_of_an_equilibrium_are_its_secant_solution(syst
 def test_preparation_is_renewed_when_old_ones_have_cost_enough(system, state, monkeypatch):
     system.prepared.solve(system.virgin())
     solver, count = TangentSolver(system), system.prepared.count
-    stiffness = system.law.tangent(state.response.strain[system.active], system.virgin())
+    stiffness = system.law.tangent(state.response.strain[system.damageable], system.virgin())
     constraint, residual = prescribed(system, VALUE), random_residual(system, state)
 
     def solve(tolerance):
@@ -138,7 +138,7 @@ def stale(system, state):
 
     The returned function solves to a reduction of 1e-8.
     """
-    stiffness = system.law.tangent(state.response.strain[system.active], system.virgin())
+    stiffness = system.law.tangent(state.response.strain[system.damageable], system.virgin())
     constraint, residual = prescribed(system, VALUE), random_residual(system, state)
 
     def solve(solver):

@@ -49,7 +49,7 @@ def test_slender_cantilevers(length, depth, l_f, most):
 
 def test_slender_and_cracked():
     system = beam_system(cantilever(0.16, 0.02, 0.005))
-    x, b = system.tessellation.x, system.geometry.bodies[system.active]
+    x, b = system.tessellation.x, system.geometry.bodies[system.damageable]
     across = (x[b[:, 0], 0] < 0.08) != (x[b[:, 1], 0] < 0.08)
     history = system.virgin().copy()
     history[across & (x[b, 1].mean(axis=1) > 0.004), 0] = 0.999
@@ -78,9 +78,9 @@ def test_numbers_of_bodies_do_not_matter():
     other = replace(geometry, bodies=bodies, first=first, adjacent=adjacent)
     dofs = (6 * number[:, None] + np.arange(6)).ravel()
     turn = csr_array((np.ones(6 * n), (dofs, np.arange(6 * n))))
-    order = np.argsort(number[form.wide.bodies])
-    wide = replace(form.wide, bodies=number[form.wide.bodies][order], rows=form.wide.rows[:, order])
-    again = pattern(other, csr_array(turn @ system.supports.constant @ turn.T), form.spin, wide)
+    order = np.argsort(number[form.low_rank.bodies])
+    low_rank = replace(form.low_rank, bodies=number[form.low_rank.bodies][order], rows=form.low_rank.rows[:, order])
+    again = pattern(other, csr_array(turn @ system.supports.constant @ turn.T), form.spin, low_rank)
     moduli = np.zeros((len(geometry), 3, 3))
     moduli[:, range(3), range(3)] = system.moduli
     x = np.empty_like(system.tessellation.x)
@@ -98,5 +98,5 @@ def test_iterations_with_a_whole_face_held():
     changes = {"load": {"at": None, "face": "right", "direction": [1.0, 0.0, 0.0]}}
     system = beam_system(cantilever(0.2, 0.05, 0.0045, **changes))
     assert len(system.tessellation) > 4000
-    assert len(system.pattern.wide.bodies) > 100
+    assert len(system.pattern.low_rank.bodies) > 100
     compared(system, secant_entries(system, system.virgin()), most=30)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from equilibrium.models import beam, beam_system, half_fine, secant_entries
-from equilibrium.test_wide import BAR
+from equilibrium.test_low_rank import BAR
 from fissura.linear import SingularMatrixError, symmetric
 from fissura.linear.assembly import assemble_secant, pattern
 from fissura.linear.blocks import held_bodies, lower_blocks
@@ -37,7 +37,7 @@ def damaged(system, seed=0):
 
 def lower_of(system, domains):
     form = system.pattern
-    return lower_blocks(form, *dissected_order(form, held_bodies(form, wide=False), domains))
+    return lower_blocks(form, *dissected_order(form, held_bodies(form, low_rank=False), domains))
 
 
 @pytest.mark.parametrize("domains", [1, 2])

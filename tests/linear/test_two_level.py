@@ -45,7 +45,7 @@ def clamped():
 
 def middle(system):
     """Contacts with damage across the middle of the beam, and their height in shares of the depth."""
-    x, b = system.tessellation.x, system.geometry.bodies[system.active]
+    x, b = system.tessellation.x, system.geometry.bodies[system.damageable]
     half = 0.5 * system.tessellation.x[:, 0].max()
     across = (x[b[:, 0], 0] < half) != (x[b[:, 1], 0] < half)
     return across, x[b, 1].mean(axis=1) / x[:, 1].max()
@@ -136,7 +136,7 @@ def test_slender_bar():
 
 def test_stiffness_over_six_orders_of_magnitude(sound):
     rng = np.random.default_rng(3)
-    data = damaged(sound, 1.0 - 10.0 ** rng.uniform(-6.0, 0.0, len(sound.active)))
+    data = damaged(sound, 1.0 - 10.0 ** rng.uniform(-6.0, 0.0, len(sound.damageable)))
     solver = agrees(sound, data, most=200)
     assert solver.clusters > 100
 
@@ -219,7 +219,7 @@ def test_clusters_do_not_reach_across_broken_contacts(sound):
     across, _ = middle(sound)
     solver = TwoLevel(sound.pattern, sound.tessellation.x, reference=secant_entries(sound, sound.virgin()))
     solver.factor(damaged(sound, np.where(across, 0.99, 0.0)), symmetric=True)
-    b = sound.geometry.bodies[sound.active][across]
+    b = sound.geometry.bodies[sound.damageable][across]
     assert np.all(solver.cluster_of[b[:, 0]] != solver.cluster_of[b[:, 1]])
     assert solver.cluster_of.max() + 1 == solver.clusters
 

@@ -23,7 +23,7 @@ __all__ = ["Coarsening", "needed_bodies"]
 
 def needed_bodies(
     tessellation: Tessellation,
-    active: IntArray,
+    damageable: IntArray,
     law: AppliedLaw,
     strain: FloatArray,
     history: FloatArray,
@@ -35,7 +35,7 @@ def needed_bodies(
     ----------
     tessellation : Tessellation
         The discretization.
-    active : (k,) int array
+    damageable : (k,) int array
         Contacts with the damage law.
     law : AppliedLaw
         Their law.
@@ -50,8 +50,8 @@ def needed_bodies(
         False for coarse bodies.
     """
     contacts, n = tessellation.contacts, len(tessellation)
-    ends = contacts.bodies[active]
-    weight = contacts.area[active] * contacts.length[active]
+    ends = contacts.bodies[damageable]
+    weight = contacts.area[damageable] * contacts.length[damageable]
     of_bodies = [np.bincount(ends.ravel(), np.repeat(weight * value, 2), n) for value in law.loading(strain, history)]
     needed = tessellation.fine & (of_bodies[0] >= limits.UNLOADED * of_bodies[1])
     needed[ends[(law.damage(history) > 0.0) | (law.utilisation(strain) > threshold)]] = True

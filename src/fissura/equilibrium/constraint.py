@@ -120,7 +120,7 @@ def holding(system: System, before: Response, after: Response) -> Constraint | N
     damage = system.law.damage
     growth = np.maximum(damage(after.history) - damage(before.history), 0.0)
     traction = np.zeros_like(after.traction)
-    traction[system.active] = growth[:, None] * after.traction[system.active]
+    traction[system.damageable] = growth[:, None] * after.traction[system.damageable]
     vector = system.internal(traction, np.zeros(system.size))
     value = dot(vector, after.u)
     return Constraint(vector, 0.0, value, limits.HELD_ERROR, value) if value > 0.0 else None

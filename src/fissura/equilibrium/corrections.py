@@ -110,7 +110,7 @@ class StepEquations:
         SingularMatrixError
             Its equations cannot be solved.
         """
-        tangent = self.system.law.tangent(trial.response.strain[self.system.active], self.history)
+        tangent = self.system.law.tangent(trial.response.strain[self.system.damageable], self.history)
         du, more = self._corrected(trial, tangent, constraint)
         best: Trial | None = None
         cut = 1.0
@@ -136,15 +136,15 @@ class StepEquations:
             Its equations cannot be solved.
         """
         system = self.system
-        stiffness = np.zeros((len(system.active), 3, 3))
-        stiffness[:, range(3), range(3)] = system.moduli[system.active] * system.law.intact(trial.response.history)
+        stiffness = np.zeros((len(system.damageable), 3, 3))
+        stiffness[:, range(3), range(3)] = system.moduli[system.damageable] * system.law.intact(trial.response.history)
         if constraint.in_energy:
             # Unloading with the secant stiffness dissipates nothing: the displacement is kept instead, so that damage
             # runs away slowly where it localizes; any share of the tangent would make that a leap.
             kept = dot(constraint.vector, trial.response.u)
             constraint = Constraint(constraint.vector, 0.0, kept, 1.0, abs(kept))
         elif share > 0.0:
-            tangent = system.law.tangent(trial.response.strain[system.active], self.history)
+            tangent = system.law.tangent(trial.response.strain[system.damageable], self.history)
             stiffness += share * (tangent - stiffness)
         du, more = self._corrected(trial, stiffness, constraint)
         return self.trial(trial.response.u + du, trial.load + more, trial)

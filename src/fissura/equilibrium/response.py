@@ -66,12 +66,12 @@ def dissipation(system: System, old: Response, new: Response) -> tuple[FloatArra
     volume = system.geometry.volume
     work = np.einsum("ca,ca->c", old.traction, new.strain) - np.einsum("ca,ca->c", new.traction, old.strain)
     stored = np.zeros(len(volume))
-    turned = system.active[old.strain[system.active, 0] * new.strain[system.active, 0] < 0.0]
+    turned = system.damageable[old.strain[system.damageable, 0] * new.strain[system.damageable, 0] < 0.0]
     if len(turned):
         uneven = np.zeros(len(volume), dtype=np.bool_)
         for history in (old.history, new.history):
             left = system.law.intact(history)
-            uneven[system.active] |= left[:, 0] != left[:, 1]
+            uneven[system.damageable] |= left[:, 0] != left[:, 1]
         turned = turned[uneven[turned]]
         normal = old.traction[turned, 0] * new.strain[turned, 0] - new.traction[turned, 0] * old.strain[turned, 0]
         stored[turned] = 0.5 * volume[turned] * normal

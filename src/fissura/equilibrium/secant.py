@@ -13,10 +13,10 @@ from fissura.linear.symmetric import SymmetricSolver
 __all__ = ["PreparedSecant", "secant_moduli"]
 
 
-def secant_moduli(moduli: FloatArray, active: IntArray, intact: FloatArray) -> FloatArray:
-    """Moduli of all contacts (m, 3) [Pa] where those in `active` (k,) have shares (k, 3) of their elastic ones left."""
+def secant_moduli(moduli: FloatArray, damageable: IntArray, intact: FloatArray) -> FloatArray:
+    """Moduli of all contacts (m, 3) [Pa] where `damageable` ones (k,) have shares (k, 3) of their elastic ones left."""
     out = moduli.copy()
-    out[active] *= intact
+    out[damageable] *= intact
     return out
 
 
@@ -27,7 +27,7 @@ class PreparedSecant:
     ----------
     geometry, moduli : Kinematics, (m, 3) array
         All contacts, and their elastic moduli [Pa].
-    active, law : (k,) array, AppliedLaw
+    damageable, law : (k,) array, AppliedLaw
         Those with damage, and their law.
     load, dead : (6 n,) array, (6 n,) array or None
         Forces per unit of the load factor, and those that are kept; None where there are none of these.
@@ -50,13 +50,13 @@ class PreparedSecant:
         self,
         geometry: Kinematics,
         moduli: FloatArray,
-        active: IntArray,
+        damageable: IntArray,
         law: AppliedLaw,
         load: FloatArray,
         dead: FloatArray | None,
         solver: SymmetricSolver,
     ) -> None:
-        self._geometry, self._moduli, self._active, self._law = geometry, moduli, active, law
+        self._geometry, self._moduli, self._damageable, self._law = geometry, moduli, damageable, law
         self._load, self._dead, self._solver = load, dead, solver
         self.count = 0
         self._matrix = -1  # number of the matrix that it prepared
@@ -123,7 +123,7 @@ class PreparedSecant:
 
     def _factor_for(self, intact: FloatArray) -> None:
         """Prepare the solver for what contacts have left, (k, 3)."""
-        self._solver.factor_contacts(self._geometry, secant_moduli(self._moduli, self._active, intact))
+        self._solver.factor_contacts(self._geometry, secant_moduli(self._moduli, self._damageable, intact))
         self._matrix = self._solver.matrices
         self.count += 1
         self.intact, self._exact = intact, False

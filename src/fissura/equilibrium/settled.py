@@ -85,9 +85,9 @@ def settle(system: System, history: FloatArray, value: float) -> Equilibrium:
         load = missing / reach
         u = unit * load if dead is None else unit * load + dead
         strain = system.strain(u)
-        moved = system.law.unloaded(strain[system.active], history)
+        moved = system.law.unloaded(strain[system.damageable], history)
         if system.prepared.is_for(moved) or iterations == limits.CLOSINGS:
             break
         history = moved
-    damaged = strain[system.active] * system.moduli[system.active] * system.law.intact(history)
+    damaged = strain[system.damageable] * system.moduli[system.damageable] * system.law.intact(history)
     return Equilibrium(system.answer(u, strain, damaged, history), load, value, iterations=iterations)

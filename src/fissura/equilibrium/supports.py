@@ -31,7 +31,7 @@ class Supports:
         Of the functionals [N/m].
     constant : (6 n, 6 n) sparse array
         Stiffness of those that hold few bodies, and a trace that holds platens.
-    wide : LowRank
+    low_rank : LowRank
         Stiffness of those that hold many, as few rows.
     """
 
@@ -39,7 +39,7 @@ class Supports:
     rows: FloatArray
     stiffness: FloatArray
     constant: csr_array
-    wide: LowRank
+    low_rank: LowRank
 
     @classmethod
     def of(cls, rows: csr_array, tessellation: Tessellation, platens: WithPlatens, elastic: FloatArray) -> Supports:
@@ -68,9 +68,9 @@ class Supports:
         for k, own in enumerate(platens.contacts):
             anchors[len(tessellation) + k] = limits.ANCHOR * behind[k] * np.repeat([1.0, area[own].sum()], 3)
         constant = csr_array(narrow.T @ narrow + csr_array(diags_array(anchors.ravel())))
-        wide = LowRank.of(csr_array(scaled[held > limits.NARROW]), 1.0)
+        low_rank = LowRank.of(csr_array(scaled[held > limits.NARROW]), 1.0)
         dofs = np.unique(rows.indices).astype(np.int64)
-        return cls(dofs, rows[:, dofs].toarray(), stiffness, constant, wide)
+        return cls(dofs, rows[:, dofs].toarray(), stiffness, constant, low_rank)
 
     def forces(self, u: FloatArray) -> FloatArray:
         """Force of every functional on the specimen for displacements (6 n,) [N], shape (r,)."""

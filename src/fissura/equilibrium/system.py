@@ -74,7 +74,7 @@ class System:
 
     Attributes
     ----------
-    active : (k,) array
+    damageable : (k,) array
         Contacts with the damage law, which are fine and outside elastic regions.
     coarse : (c,) array
         Contacts that are not fine.
@@ -122,7 +122,7 @@ class System:
         self.acting = Acting.on(conditions, tessellation, whole)
         self.supports = Supports.of(self.acting.support_rows, tessellation, self.platens, self._elastic)
         spin = spin_stiffness(tessellation, self.platens, self._elastic)
-        self.pattern: Pattern = pattern(self.geometry, self.supports.constant, spin, self.supports.wide)
+        self.pattern: Pattern = pattern(self.geometry, self.supports.constant, spin, self.supports.low_rank)
         self.symmetric = SymmetricSolver(self.pattern, whole.x, linear, threads)
         # Moments count as forces at the arm of half a contact.
         arm = 0.5 * float(np.median(contacts.length))
@@ -138,17 +138,17 @@ class System:
         ends = np.concatenate([kinds[contacts.bodies[:inner]], kinds[contacts.bodies[inner:, [0, 0]]]])
         may_crack = ~elastic.contains(contacts.centroid)
         may_crack[inner:] = False
-        self.active: IntArray = np.flatnonzero(contacts.fine & may_crack)
+        self.damageable: IntArray = np.flatnonzero(contacts.fine & may_crack)
         self.coarse: IntArray = np.flatnonzero(~contacts.fine)
-        self._guarded: IntArray = np.flatnonzero(~contacts.fine & may_crack)
+        self._watched: IntArray = np.flatnonzero(~contacts.fine & may_crack)
         field = self.field
-        scale, ductility = (None, None) if field is None else field.factors(contacts.centroid[self.active])
-        self.law: AppliedLaw = several.create(ends[self.active], contacts.length[self.active], scale, ductility)
+        scale, ductility = (None, None) if field is None else field.factors(contacts.centroid[self.damageable])
+        self.law: AppliedLaw = several.create(ends[self.damageable], contacts.length[self.damageable], scale, ductility)
         # Coarse contacts have no softening and hence no limit on their length: only their strength is asked for, which
         # is the same at a length that every law allows.
         short = limits.SHORT_CONTACT * float(contacts.length[:inner].min())
-        scale = None if field is None else field.strength(contacts.centroid[self._guarded])
-        self._elastic_law: AppliedLaw = several.create(ends[self._guarded], np.full(len(self._guarded), short), scale)
+        scale = None if field is None else field.strength(contacts.centroid[self._watched])
+        self._elastic_law: AppliedLaw = several.create(ends[self._watched], np.full(len(self._watched), short), scale)
         self._elastic: FloatArray = several.elastic(ends)
         if self.platens.share is not None:
             self._elastic *= self.platens.share
@@ -171,7 +171,7 @@ class System:
         if self.field is None:
             return None
         out = np.ones(len(self.tessellation.contacts))
-        out[self.active], out[self._guarded] = self.law.scale, self._elastic_law.scale
+        out[self.damageable], out[self._watched] = self.law.scale, self._elastic_law.scale
         return out
 
     def scaled(self, elastic_scale: float) -> System:
@@ -216,7 +216,7 @@ class System:
 
     def _forget(self) -> None:
         """Nothing is prepared for these equations."""
-        of_contacts = (self.geometry, self.moduli, self.active, self.law)
+        of_contacts = (self.geometry, self.moduli, self.damageable, self.law)
         self.prepared = PreparedSecant(*of_contacts, self.load, self.dead, self.symmetric)
 
     def value(self, u: FloatArray, load: float) -> float:
@@ -242,7 +242,7 @@ class System:
 
     def pairs(self) -> IntArray:
         """Nuclei of the contacts with damage, by which their history is kept; shape (k, 2)."""
-        bodies: IntArray = self.tessellation.contacts.bodies[self.active]
+        bodies: IntArray = self.tessellation.contacts.bodies[self.damageable]
         return self.tessellation.nucleus[bodies]
 
     def strain(self, u: FloatArray) -> FloatArray:
@@ -253,30 +253,30 @@ class System:
         """Internal forces for displacements u, shape (6 n,), and accepted history."""
         strain = self.strain(u)
         # numpy takes rows many times faster than it indexes them, but has no such way back
-        return self.answer(u, strain, *self.law.response(strain.take(self.active, axis=0), history))
+        return self.answer(u, strain, *self.law.response(strain.take(self.damageable, axis=0), history))
 
     def answer(self, u: FloatArray, strain: FloatArray, damaged: FloatArray, history: FloatArray) -> Response:
         """Response with tractions (k, 3) [Pa] and history (k, h) of the contacts with damage as given."""
         traction = strain * self.moduli
-        put_rows(damaged, self.active, traction)
+        put_rows(damaged, self.damageable, traction)
         return Response(u, strain, traction, history, self.internal(traction, u))
 
     def internal(self, traction: FloatArray, u: FloatArray) -> FloatArray:
         """Internal forces of given tractions [Pa], with the reactions of supports; shape (6 n,)."""
         forces: FloatArray = nodal_forces(self.geometry, traction)
         add_spin(self.geometry, self.pattern.spin, u.reshape(-1, 6), forces)
-        self.pattern.wide.add_product(u.reshape(-1, 6), forces)
+        self.pattern.low_rank.add_product(u.reshape(-1, 6), forces)
         flat: FloatArray = forces.ravel() + self.supports.constant @ u
         return flat
 
     def secant_moduli(self, history: FloatArray) -> FloatArray:
         """Secant stiffness of the three strain components of every contact [Pa], shape (m, 3)."""
-        return secant_moduli(self.moduli, self.active, self.law.intact(history))
+        return secant_moduli(self.moduli, self.damageable, self.law.intact(history))
 
     def elastic_utilisation(self, response: Response) -> FloatArray:
         """Effective traction over strength of coarse contacts, 0 for fine ones and in elastic regions; shape (m,)."""
         out = np.zeros(len(self.tessellation.contacts))
-        out[self._guarded] = self._elastic_law.utilisation(self.elastic_scale * response.strain[self._guarded])
+        out[self._watched] = self._elastic_law.utilisation(self.elastic_scale * response.strain[self._watched])
         return out
 
     @cached_property
@@ -286,8 +286,8 @@ class System:
 
     def largest_utilisation(self, response: Response) -> float:
         """Largest effective traction over strength of all contacts, as if none were damaged."""
-        active = self.law.utilisation(response.strain[self.active])
-        return max(float(active.max(initial=0.0)), float(self.elastic_utilisation(response).max(initial=0.0)))
+        damageable = self.law.utilisation(response.strain[self.damageable])
+        return max(float(damageable.max(initial=0.0)), float(self.elastic_utilisation(response).max(initial=0.0)))
 
     def stress(self, response: Response, load: float) -> FloatArray:
         """Stress in bodies [Pa], with the forces of loads and supports at their points; shape (n, 3, 3)."""

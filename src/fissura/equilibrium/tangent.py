@@ -125,7 +125,7 @@ class TangentSolver:
         secant, geometry = system.prepared, system.geometry
         unit, weights, load = secant.unit, system.weights, system.load
         chosen, change = changes(
-            stiffness, secant.intact, system.moduli, system.active, limits.SAME_STIFFNESS * system.stiffest
+            stiffness, secant.intact, system.moduli, system.damageable, limits.SAME_STIFFNESS * system.stiffest
         )
         a, b = constraint.vector, constraint.load_factor
         # A prescribed load closes its gap alone.

@@ -18,19 +18,19 @@ def _put_rows(values, rows, out):  # type: ignore[no-untyped-def]
 
 
 @njit()
-def _changes(tangent, intact, moduli, active, least, chosen, change):  # type: ignore[no-untyped-def]
+def _changes(tangent, intact, moduli, damageable, least, chosen, change):  # type: ignore[no-untyped-def]
     count = 0
-    for k in range(len(active)):
+    for k in range(len(damageable)):
         size = 0.0
         for a in range(3):
             for b in range(3):
                 entry = tangent[k, a, b]
                 if a == b:
-                    entry -= intact[k, a] * moduli[active[k], a]
+                    entry -= intact[k, a] * moduli[damageable[k], a]
                 change[count, a, b] = entry
                 size = max(size, abs(entry))
         if size > least:
-            chosen[count] = active[k]
+            chosen[count] = damageable[k]
             count += 1
     return count
 
@@ -41,7 +41,7 @@ def put_rows(values: FloatArray, rows: IntArray, out: FloatArray) -> None:
 
 
 def changes(
-    tangent: FloatArray, intact: FloatArray, moduli: FloatArray, active: IntArray, least: float
+    tangent: FloatArray, intact: FloatArray, moduli: FloatArray, damageable: IntArray, least: float
 ) -> tuple[IntArray, FloatArray]:
     """Where a tangent stiffness differs from a secant stiffness.
 
@@ -53,7 +53,7 @@ def changes(
         Shares of the elastic moduli that the secant stiffness has.
     moduli : (m, 3) array
         Elastic stiffness of all contacts [Pa].
-    active : (k,) array
+    damageable : (k,) array
         Contacts with damage.
     least : float
         Differences up to which entries are the same [Pa].
@@ -61,10 +61,10 @@ def changes(
     Returns
     -------
     contacts : (c,) array
-        Those of `active` where they differ.
+        Those of `damageable` where they differ.
     change : (c, 3, 3) array
         By how much [Pa].
     """
     chosen, change = np.empty(len(tangent), dtype=np.int64), np.empty_like(tangent)
-    count = _changes(tangent, intact, moduli, active, least, chosen, change)
+    count = _changes(tangent, intact, moduli, damageable, least, chosen, change)
     return chosen[:count], change[:count]

@@ -105,7 +105,7 @@ class SmoothedAggregation:
         self._scale: FloatArray = np.tile(np.repeat([1.0, 1.0 / length], 3), len(form.start))
         soft = data.copy()
         soft[form.fixed] -= (1.0 - limits.SOFT) * form.fixed_values
-        soft[own[form.wide.bodies, :3]] += limits.SPRING * stiffness[:3]
+        soft[own[form.low_rank.bodies, :3]] += limits.SPRING * stiffness[:3]
         soft *= np.repeat(self._scale, np.diff(form.indptr))
         soft *= self._scale[form.indices]
         matrix = bsr_matrix(form.matrix(soft).tobsr((6, 6)))

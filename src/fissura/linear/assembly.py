@@ -43,7 +43,7 @@ class Pattern:
         Their values [N/m, N, N m].
     spin : (m,) array
         Constant stiffness of contacts against relative rotation [N m].
-    wide : LowRank
+    low_rank : LowRank
         Part of the matrix that has no entries here, since it couples too many bodies.
     """
 
@@ -55,7 +55,7 @@ class Pattern:
     fixed: IntArray
     fixed_values: FloatArray
     spin: FloatArray
-    wide: LowRank = field(default_factory=LowRank.none)
+    low_rank: LowRank = field(default_factory=LowRank.none)
 
     @property
     def size(self) -> int:
@@ -84,13 +84,13 @@ class Pattern:
         return self._rows[1]
 
     def matrix(self, data: FloatArray) -> csr_array:
-        """The matrix with the given entries, as scipy knows it, without its part `wide`."""
+        """The matrix with the given entries, as scipy knows it, without its part `low_rank`."""
         return csr_array((data, self.indices, self.indptr), shape=(self.size, self.size))
 
     def product(self, data: FloatArray, u: FloatArray) -> FloatArray:
         """The whole matrix with the given entries times a vector; (6 n,) -> (6 n,)."""
         out: FloatArray = self.matrix(data) @ u
-        self.wide.add_product(u.reshape(-1, 6), out.reshape(-1, 6))
+        self.low_rank.add_product(u.reshape(-1, 6), out.reshape(-1, 6))
         return out
 
 
@@ -167,7 +167,7 @@ def _opposites(bodies, owner_first, adjacent, first, neighbours):  # type: ignor
 
 
 def pattern(
-    geometry: Kinematics, constant: csr_array, spin: FloatArray | None = None, wide: LowRank | None = None
+    geometry: Kinematics, constant: csr_array, spin: FloatArray | None = None, low_rank: LowRank | None = None
 ) -> Pattern:
     """Pattern for the contacts of a discretization and a constant part.
 
@@ -179,7 +179,7 @@ def pattern(
         Stiffness that never changes, such as that of supports; symmetric.
     spin : (m,) array, optional
         Stiffness of contacts against relative rotation of their bodies [N m].
-    wide : LowRank, optional
+    low_rank : LowRank, optional
         Part of the matrix to keep apart.
     """
     n = len(geometry.first) - 1
@@ -205,7 +205,7 @@ def pattern(
         fixed,
         np.asarray(np.bincount(where, extra.data, len(fixed)), dtype=np.float64),
         np.zeros(len(geometry)) if spin is None else spin,
-        LowRank.none() if wide is None else wide,
+        LowRank.none() if low_rank is None else low_rank,
     )
 
 

@@ -102,13 +102,13 @@ class LowerBlocks:
         return out
 
 
-def held_bodies(form: Pattern, *, wide: bool = True) -> BoolArray:
-    """Bodies held by supports, those with entries in the pattern and the wide ones; shape (n,)."""
+def held_bodies(form: Pattern, *, low_rank: bool = True) -> BoolArray:
+    """Bodies held by supports, those with entries in the pattern and those of low rank; shape (n,)."""
     held = np.zeros(len(form.start), dtype=bool)
     strong = form.fixed[form.fixed_values != 0.0]
     held[np.searchsorted(form.start, strong, side="right") - 1] = True
-    if wide:
-        held[form.wide.bodies] = True
+    if low_rank:
+        held[form.low_rank.bodies] = True
     return held
 
 

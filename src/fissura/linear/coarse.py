@@ -91,14 +91,14 @@ def _condense(begin, end, indptr, indices, blocks, label, arm, unit, first, clus
 
 
 @njit()
-def _coarse_pattern(bodies, of_cluster, first, cluster, wide):  # type: ignore[no-untyped-def]
-    """Block columns on and right of the diagonal of ``P^T K P``, compressed; `wide` clusters all see each other."""
+def _coarse_pattern(bodies, of_cluster, first, cluster, low_rank):  # type: ignore[no-untyped-def]
+    """Block columns on and right of the diagonal of ``P^T K P``, compressed; `low_rank` clusters all see each other."""
     clusters = len(of_cluster) - 1
     seen = np.full(clusters, -1)
-    is_wide = np.zeros(clusters, dtype=np.bool_)
-    is_wide[wide] = True
+    meets_all = np.zeros(clusters, dtype=np.bool_)
+    meets_all[low_rank] = True
     indptr = np.zeros(clusters + 1, dtype=np.int64)
-    columns = np.empty(len(cluster) + len(wide) * len(wide), dtype=np.int32)
+    columns = np.empty(len(cluster) + len(low_rank) * len(low_rank), dtype=np.int32)
     total = 0
     for c in range(clusters):
         begin = total
@@ -110,8 +110,8 @@ def _coarse_pattern(bodies, of_cluster, first, cluster, wide):  # type: ignore[n
                     seen[d] = c
                     columns[total] = d
                     total += 1
-        if is_wide[c]:
-            for d in wide:
+        if meets_all[c]:
+            for d in low_rank:
                 if d >= c and seen[d] != c:
                     seen[d] = c
                     columns[total] = d
@@ -185,7 +185,7 @@ class CoarseSpace:
         Nuclei in the order of `form`.
     label : (n,) array
         Cluster of each body, 0, 1, ... without gaps.
-    wide : LowRank
+    low_rank : LowRank
         Part of K that has no blocks, in the order of `form`.
     threads : KernelThreads
         Threads that share the work on domains.
@@ -197,7 +197,7 @@ class CoarseSpace:
         blocks: FloatArray,
         x: FloatArray,
         label: IntArray,
-        wide: LowRank | None = None,
+        low_rank: LowRank | None = None,
         threads: KernelThreads = SINGLE_THREAD,
     ) -> None:
         self._threads, self._pieces = threads, form.pieces
@@ -209,20 +209,20 @@ class CoarseSpace:
         # Bodies of one cluster each have no arm; then any length will do.
         self.unit = 1.0 / (float(np.sqrt((self.arm**2).sum(axis=1).mean())) or 1.0)
         self._first, self._cluster = _touched(form.indptr, form.indices, label)
-        self._product: FloatArray = np.zeros((len(self._cluster), 6, 6))  # K P, without its wide part
+        self._product: FloatArray = np.zeros((len(self._cluster), 6, 6))  # K P, without its part of low rank
         rest = (blocks, label, self.arm, self.unit, self._first, self._cluster, self._product)
         threads.run(_condense, form.bounds, form.indptr, form.indices, *rest)
         SINGLE_THREAD.run(_condense, form.tail, form.indptr, form.indices, *rest)
-        self._wide = LowRank.none() if wide is None else wide
-        self._wide_clusters: IntArray = np.unique(label[self._wide.bodies])
-        self._wide_rows: FloatArray = self._restricted_rows()
+        self._low_rank = LowRank.none() if low_rank is None else low_rank
+        self._low_rank_clusters: IntArray = np.unique(label[self._low_rank.bodies])
+        self._low_rank_rows: FloatArray = self._restricted_rows()
 
     def _restricted_rows(self) -> FloatArray:
-        """``R P`` on the clusters that rows of the wide part touch, (k, t, 6)."""
-        bodies = self._wide.bodies
-        label = np.searchsorted(self._wide_clusters, self.label[bodies])
-        out = np.zeros((len(self._wide), len(self._wide_clusters), 6))
-        for row, part in zip(self._wide.rows, out, strict=True):
+        """``R P`` on the clusters that rows of the part of low rank touch, (k, t, 6)."""
+        bodies = self._low_rank.bodies
+        label = np.searchsorted(self._low_rank_clusters, self.label[bodies])
+        out = np.zeros((len(self._low_rank), len(self._low_rank_clusters), 6))
+        for row, part in zip(self._low_rank.rows, out, strict=True):
             part[:] = restrict(0, len(label), len(part), label, self.arm[bodies], self.unit, row)
         return out
 
@@ -230,8 +230,8 @@ class CoarseSpace:
         """Entries on and above the diagonal of the coarse matrix ``P^T K P``."""
         bodies = np.argsort(self.label, kind="stable")
         of_cluster = np.searchsorted(self.label[bodies], np.arange(self.clusters + 1))
-        wide = self._wide_clusters
-        block_indptr, columns = _coarse_pattern(bodies, of_cluster, self._first, self._cluster, wide)
+        low_rank = self._low_rank_clusters
+        block_indptr, columns = _coarse_pattern(bodies, of_cluster, self._first, self._cluster, low_rank)
         blocks = np.zeros((len(columns), 6, 6))
         _coarse_blocks(
             bodies,
@@ -245,11 +245,11 @@ class CoarseSpace:
             columns,
             blocks,
         )
-        for k, c in enumerate(wide):
+        for k, c in enumerate(low_rank):
             row = slice(block_indptr[c], block_indptr[c + 1])
-            places = block_indptr[c] + np.searchsorted(columns[row], wide[k:])
-            more = np.einsum("ra,rtb->tab", self._wide_rows[:, k], self._wide_rows[:, k:])
-            blocks[places] += self._wide.stiffness * more
+            places = block_indptr[c] + np.searchsorted(columns[row], low_rank[k:])
+            more = np.einsum("ra,rtb->tab", self._low_rank_rows[:, k], self._low_rank_rows[:, k:])
+            blocks[places] += self._low_rank.stiffness * more
         size = 36 * len(columns) - 15 * self.clusters
         indptr, indices = np.empty(6 * self.clusters + 1, dtype=np.int32), np.empty(size, dtype=np.int32)
         data = np.empty(size)
@@ -264,9 +264,9 @@ class CoarseSpace:
         """``P^T K z``; (n, 6) -> (clusters, 6)."""
         rest = (self.clusters, self._first, self._cluster, self._product, z)
         out = _sum(self._threads.run(restrict_product, self._pieces, *rest))
-        if len(self._wide):
-            forces = self._wide.stiffness * self._wide.values(z)
-            out[self._wide_clusters] += np.einsum("r,rtd->td", forces, self._wide_rows)
+        if len(self._low_rank):
+            forces = self._low_rank.stiffness * self._low_rank.values(z)
+            out[self._low_rank_clusters] += np.einsum("r,rtd->td", forces, self._low_rank_rows)
         return out
 
     def add_motion(self, coarse: FloatArray, u: FloatArray) -> None:

@@ -14,7 +14,7 @@ from fissura.kernels import njit
 from fissura.linear import limits
 from fissura.linear.assembly import Pattern
 from fissura.linear.protocol import SingularMatrixError
-from fissura.linear.woodbury import WideCorrection
+from fissura.linear.woodbury import LowRankCorrection
 
 try:  # its wheels exist for x86 only
     import pymklpardiso
@@ -30,7 +30,7 @@ class _Direct(ABC):
     def __init__(self, form: Pattern) -> None:
         self.form = form
         self.factorizations = 0
-        self._correction = WideCorrection(form) if len(form.wide) else None
+        self._correction = LowRankCorrection(form) if len(form.low_rank) else None
 
     def factor(self, data: FloatArray, *, symmetric: bool) -> None:
         """Factorize; symmetric matrices must be positive definite.

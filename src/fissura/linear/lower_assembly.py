@@ -60,7 +60,7 @@ def _assemble(  # type: ignore[no-untyped-def]
 
 def _add_constant(form: Pattern, lower: LowerBlocks, out: FloatArray) -> None:
     """Add the constant part, which couples held bodies only."""
-    held = held_bodies(form, wide=False)[lower.order]
+    held = held_bodies(form, low_rank=False)[lower.order]
     rows = np.flatnonzero(held)
     blocks = np.concatenate([np.arange(lower.indptr[i], lower.indptr[i + 1]) for i in rows] or [np.empty(0, np.int64)])
     blocks = blocks[held[lower.indices[blocks]]]

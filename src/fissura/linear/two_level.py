@@ -97,15 +97,17 @@ class TwoLevel:
         held = held_bodies(form)
         # Narrow supports couple all bodies that they hold: at the end these are factorized exactly.
         self._threads = threads
-        self._lower: LowerBlocks = lower_blocks(form, *dissected_order(form, held_bodies(form, wide=False), domains))
+        self._lower: LowerBlocks = lower_blocks(
+            form, *dissected_order(form, held_bodies(form, low_rank=False), domains)
+        )
         order = self._lower.order
         self._smoother = IncompleteCholesky(self._lower, threads)
         self._x: FloatArray = np.ascontiguousarray(x[order])
         self._group: IntArray = bisected(self._x, limits.CLUSTER, body_weights(self._lower, self._x))
         # A cluster of which only some bodies are held could not move, and would leave the others to the smoother.
         self._group[held[order]] += len(x)
-        self._wide = LowRank(self._lower.place[form.wide.bodies], form.wide.rows, form.wide.stiffness)
-        narrow = held_bodies(form, wide=False)[order]
+        self._low_rank = LowRank(self._lower.place[form.low_rank.bodies], form.low_rank.rows, form.low_rank.stiffness)
+        narrow = held_bodies(form, low_rank=False)[order]
         firm, diagonal = np.flatnonzero(narrow), self._lower.indptr[1:] - 1
         self._left_out: tuple[IntArray, FloatArray] = (
             firm,
@@ -177,7 +179,7 @@ class TwoLevel:
         row, column = self._ends
         keep = intact(row, column, self._stiffness(blocks), self._reference, limits.INTACT)
         label = connected(self._group, row[keep], column[keep])
-        self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._wide, self._threads)
+        self._coarse = CoarseSpace(self._lower, blocks, self._x, label, self._low_rank, self._threads)
         self.clusters = self._coarse.clusters
         try:
             self._smoother.factor(blocks, self._left_out)
@@ -230,7 +232,7 @@ class TwoLevel:
     def _product(self, u: FloatArray) -> FloatArray:
         assert self._blocks is not None
         out = multiply(self._lower, self._blocks, u, self._threads)
-        self._wide.add_product(u, out)
+        self._low_rank.add_product(u, out)
         return out
 
     def _preconditioned(self, r: FloatArray) -> FloatArray:
@@ -244,7 +246,7 @@ class TwoLevel:
         """Whether u solves equations that differ by round-off only."""
         assert self._blocks is not None
         size = term_sizes(self._lower, self._blocks, u) + np.abs(b)
-        self._wide.add_sizes(u, size)
+        self._low_rank.add_sizes(u, size)
         return bool(np.all(np.abs(r) <= limits.ROUND_OFF * size))
 
     def _solved(self, b: FloatArray, tolerance: float) -> FloatArray:

@@ -10,40 +10,40 @@ from scipy.linalg import lu_factor, lu_solve, qr
 from fissura.arrays import FloatArray, IntArray
 from fissura.linear.assembly import Pattern
 
-__all__ = ["WideCorrection"]
+__all__ = ["LowRankCorrection"]
 
 Solve = Callable[[FloatArray], FloatArray]
 
 
-class WideCorrection:
-    """Corrects solutions for the part `wide` of a pattern.
+class LowRankCorrection:
+    """Corrects solutions for the part `low_rank` of a pattern.
 
-    The structure may float without it. So what is factorized has a few springs instead, on as many unknowns as the wide
-    part has rows; the correction takes them off again. Solutions are refined once.
+    The structure may float without it. So what is factorized has a few springs instead, on as many unknowns as the
+    part of low rank has rows; the correction takes them off again. Solutions are refined once.
 
     Parameters
     ----------
     form : Pattern
-        Pattern with a wide part.
+        Pattern with a part of low rank.
     """
 
     def __init__(self, form: Pattern) -> None:
-        self._form, wide = form, form.wide
-        dofs = (6 * wide.bodies[:, None] + np.arange(6)).ravel()
+        self._form, low_rank = form, form.low_rank
+        dofs = (6 * low_rank.bodies[:, None] + np.arange(6)).ravel()
         # The unknowns that tell the rows apart best: to hold these holds what the rows hold.
-        _, _, pivots = qr(wide.rows.reshape(len(wide), -1), mode="economic", pivoting=True)
-        self._dofs: IntArray = np.sort(dofs[pivots[: len(wide)]])
+        _, _, pivots = qr(low_rank.rows.reshape(len(low_rank), -1), mode="economic", pivoting=True)
+        self._dofs: IntArray = np.sort(dofs[pivots[: len(low_rank)]])
         body, a = self._dofs // 6, self._dofs % 6
         self._entries: IntArray = form.start[body] + a * form.stride[body] + form.diagonal[body] + a
-        columns = np.zeros((form.size, 2 * len(wide)))
-        columns[dofs, : len(wide)] = wide.rows.reshape(len(wide), -1).T
-        columns[self._dofs, np.arange(len(wide), 2 * len(wide))] = 1.0
+        columns = np.zeros((form.size, 2 * len(low_rank)))
+        columns[dofs, : len(low_rank)] = low_rank.rows.reshape(len(low_rank), -1).T
+        columns[self._dofs, np.arange(len(low_rank), 2 * len(low_rank))] = 1.0
         self._columns: FloatArray = columns
         self._data: FloatArray
         self._spring = 0.0
 
     def anchored(self, data: FloatArray) -> FloatArray:
-        """Entries of the matrix that has springs in place of the wide part."""
+        """Entries of the matrix that has springs in place of the part of low rank."""
         every = self._form.start + self._form.diagonal
         self._spring = float(np.median(np.abs(data[every])))
         out = data.copy()
@@ -52,10 +52,10 @@ class WideCorrection:
 
     def prepare(self, data: FloatArray, solve: Solve) -> None:
         """Set up for the matrix with these entries, for which `solve` solves once it is anchored."""
-        rank = len(self._form.wide)
+        rank = len(self._form.low_rank)
         self._data = data
         self._moved: FloatArray = solve(self._columns)
-        weights = np.repeat([1.0 / self._form.wide.stiffness, -1.0 / self._spring], rank)
+        weights = np.repeat([1.0 / self._form.low_rank.stiffness, -1.0 / self._spring], rank)
         self._capacitance = lu_factor(np.diag(weights) + self._columns.T @ self._moved)
 
     def solve(self, right: FloatArray, solve: Solve) -> FloatArray:

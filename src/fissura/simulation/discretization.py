@@ -238,9 +238,9 @@ class Discretization:
         system = self.system
         needed = needed_bodies(
             system.tessellation,
-            system.active,
+            system.damageable,
             system.law,
-            response.strain[system.active],
+            response.strain[system.damageable],
             response.history,
             self._case.adaptivity.gamma_coarse,
         )

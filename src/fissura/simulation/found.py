@@ -41,7 +41,7 @@ def snapshot_of(system: System, found: Found) -> Snapshot:
     response, contacts = found.equilibrium.response, system.tessellation.contacts
     n, m = len(system.tessellation), len(contacts)
     strain, damage = response.strain[:m], np.zeros(m)
-    damage[system.active] = system.law.damage(response.history)
+    damage[system.damageable] = system.law.damage(response.history)
     return Snapshot(
         tessellation=system.tessellation,
         displacement=response.u.reshape(-1, 6)[:n],

@@ -127,7 +127,7 @@ class Noted:
     ----------
     state : State
         A state between two steps.
-    active : (k,) array
+    damageable : (k,) array
         Contacts with damage.
     moduli : (m, 3) array
         Stiffness of all contacts [Pa].
@@ -138,7 +138,7 @@ class Noted:
     """
 
     state: State
-    active: IntArray
+    damageable: IntArray
     moduli: FloatArray
     law: AppliedLaw
     digest: str
@@ -146,15 +146,15 @@ class Noted:
     @classmethod
     def of(cls, state: State, system: System) -> Noted:
         """Note a state with the equations of its layout."""
-        return cls(state, system.active, system.moduli, system.law, digest(system))
+        return cls(state, system.damageable, system.moduli, system.law, digest(system))
 
     def saved(self) -> SavedState:
         """What of the state does not follow from the rest."""
         state, response = self.state, self.state.now.response
-        usual = response.strain[self.active] * self.moduli[self.active]
+        usual = response.strain[self.damageable] * self.moduli[self.damageable]
         kept: Any = SavedResponse(
             response.u,
-            Rows.of(response.traction[self.active], usual),
+            Rows.of(response.traction[self.damageable], usual),
             Rows.of(response.history, self.law.initial_history()),
         )
         solver, secant = state.solver, state.solver.secant
@@ -196,12 +196,12 @@ def restored(found: SavedState, model: Model) -> State:
         )
     kept: Any = state.now.response
     strain = system.strain(kept.u)
-    damaged = kept.damaged.put(strain[system.active] * system.moduli[system.active])
+    damaged = kept.damaged.put(strain[system.damageable] * system.moduli[system.damageable])
     response = system.answer(kept.u, strain, damaged, kept.history.put(system.virgin()))
     solver, secant = state.solver, state.solver.secant
     if secant is not None:
         saved_intact: Any = secant.intact
-        intact = saved_intact.put(np.ones((len(system.active), 3)))
+        intact = saved_intact.put(np.ones((len(system.damageable), 3)))
         forces = system.load if secant.exact else secant.unit_forces
         solver = replace(solver, secant=replace(secant, intact=intact, unit_forces=forces))
     return replace(state, now=replace(state.now, response=response), solver=solver)

@@ -55,34 +55,34 @@ def near(found, expected, tolerance=1e-9):
 
 
 def test_rows_are_no_entries(pair):
-    narrow, wide = pair
-    assert len(narrow.pattern.wide) == 0
-    assert len(wide.pattern.wide) == len(wide.conditions.supports)
-    assert len(wide.pattern.fixed) == 0
-    assert len(wide.pattern.indices) < len(narrow.pattern.indices)
-    np.testing.assert_array_equal(held_bodies(wide.pattern), held_bodies(narrow.pattern))
-    assert not held_bodies(wide.pattern, wide=False).any()
+    narrow, low_rank = pair
+    assert len(narrow.pattern.low_rank) == 0
+    assert len(low_rank.pattern.low_rank) == len(low_rank.conditions.supports)
+    assert len(low_rank.pattern.fixed) == 0
+    assert len(low_rank.pattern.indices) < len(narrow.pattern.indices)
+    np.testing.assert_array_equal(held_bodies(low_rank.pattern), held_bodies(narrow.pattern))
+    assert not held_bodies(low_rank.pattern, low_rank=False).any()
 
 
 def test_same_matrix_and_forces(pair):
-    narrow, wide = pair
-    u = np.random.default_rng(1).normal(size=wide.size)
+    narrow, low_rank = pair
+    u = np.random.default_rng(1).normal(size=low_rank.size)
     expected = narrow.pattern.matrix(secant(narrow)) @ u
     near(narrow.pattern.product(secant(narrow), u), expected, 1e-14)
-    near(wide.pattern.product(secant(wide), u), expected, 1e-12)
+    near(low_rank.pattern.product(secant(low_rank), u), expected, 1e-12)
     u *= 1e-7
-    near(wide.response(u, wide.virgin()).forces, narrow.response(u, narrow.virgin()).forces, 1e-12)
+    near(low_rank.response(u, low_rank.virgin()).forces, narrow.response(u, narrow.virgin()).forces, 1e-12)
 
 
 @pytest.mark.parametrize("name", sorted(SOLVERS))
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_direct_solvers(pair, name, symmetric):
-    narrow, wide = pair
+    narrow, low_rank = pair
     matrix = secant if symmetric else tangent
-    right = np.stack([wide.load, wide.control], axis=1)
-    direct, solver = SOLVERS[name](narrow.pattern), SOLVERS[name](wide.pattern)
+    right = np.stack([low_rank.load, low_rank.control], axis=1)
+    direct, solver = SOLVERS[name](narrow.pattern), SOLVERS[name](low_rank.pattern)
     direct.factor(matrix(narrow), symmetric=symmetric)
-    solver.factor(matrix(wide), symmetric=symmetric)
+    solver.factor(matrix(low_rank), symmetric=symmetric)
     expected = direct.solve(right)
     near(solver.solve(right), expected)
     near(solver.solve(right[:, 0]), expected[:, 0])
@@ -90,23 +90,23 @@ def test_direct_solvers(pair, name, symmetric):
 
 
 def test_two_level(pair):
-    narrow, wide = pair
+    narrow, low_rank = pair
     direct = SOLVERS["superlu"](narrow.pattern)
     direct.factor(secant(narrow), symmetric=True)
-    solver = TwoLevel(wide.pattern, wide.tessellation.x, 1e-11)
-    solver.factor(secant(wide), symmetric=True)
-    expected = direct.solve(wide.load)
-    near(solver.solve(wide.load), expected)
+    solver = TwoLevel(low_rank.pattern, low_rank.tessellation.x, 1e-11)
+    solver.factor(secant(low_rank), symmetric=True)
+    expected = direct.solve(low_rank.load)
+    near(solver.solve(low_rank.load), expected)
     near(solver.product(expected), narrow.pattern.matrix(secant(narrow)) @ expected, 1e-6)
     solver.tolerance = 1e-6
-    solver.solve(wide.load)
+    solver.solve(low_rank.load)
     assert solver.iterations <= 30
 
 
 def test_equilibrium_is_the_same(pair):
-    narrow, wide = pair
+    narrow, low_rank = pair
     expected = settle(narrow, narrow.virgin(), 1e-6)
-    found = settle(wide, wide.virgin(), 1e-6)
+    found = settle(low_rank, low_rank.virgin(), 1e-6)
     assert found.load == pytest.approx(expected.load, rel=1e-8)
     near(found.response.u, expected.response.u, 1e-7)
 
