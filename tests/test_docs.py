@@ -33,6 +33,16 @@ def test_every_page_is_in_the_navigation() -> None:
     assert linked == pages - {"index.md"}
 
 
+def test_code_that_pages_link_to_is_there() -> None:
+    found = [
+        (page.name, path)
+        for page in sorted((ROOT / "docs").glob("*.md"))
+        for path in re.findall(r"\]\(\.\./(src/[^)#]+)", page.read_text(encoding="utf-8"))
+    ]
+    assert len(found) >= 10  # the ten steps of a run
+    assert [(page, path) for page, path in found if not (ROOT / path).is_file()] == []
+
+
 def test_every_public_name_is_in_the_reference() -> None:
     shown = set(re.findall(r"^::: (\S+)$", page("api.md"), re.MULTILINE))
     assert {f"fissura.{name}" for name in fissura.__all__ if name != "__version__"} <= shown

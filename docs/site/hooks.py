@@ -61,7 +61,8 @@ def _restyle(data: dict[str, str]) -> None:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Lead from page to page where sources name a notebook, which GitHub shows by itself."""
+    """Lead to pages where sources name a notebook, which GitHub shows by itself; files of code are no pages."""
+    markdown = re.sub(r"\[(`[^`]+`)\]\(\.\./src/[^)]+\)", r"\1", markdown)
     return re.sub(r"(?<!Download this notebook)\]\(([\w/.-]+)\.ipynb\)", r"](\1.md)", markdown)
 
 
