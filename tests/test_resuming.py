@@ -31,7 +31,7 @@ def build(name, **changes):
 
 @pytest.fixture
 def no_pictures(monkeypatch):
-    monkeypatch.setattr(fissura.running.recorder.Recorder, "_draw", lambda *_: None)
+    monkeypatch.setattr("fissura.running.recorder.Recorder._draw", lambda *_: None)
 
 
 @pytest.fixture
@@ -379,7 +379,7 @@ def test_a_run_goes_on_after_the_disk_was_full(where, tmp_path, no_pictures, few
     place = {
         "curve": "fissura.results.curve_writer.CurveWriter.write",
         "checkpoint": "fissura.running.saving.write_checkpoint",
-        "states": "fissura.results.vtk.write_snapshot",
+        "states": "fissura.running.chosen.write_snapshot",
     }[where]
 
     def fill(step):

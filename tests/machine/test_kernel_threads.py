@@ -32,7 +32,7 @@ def sound():
 
 @pytest.fixture(scope="module")
 def dissected(sound):
-    order, bounds = dissected_order(sound.pattern, held_bodies(sound.pattern, wide=False), DOMAINS)
+    order, bounds = dissected_order(sound.pattern, held_bodies(sound.pattern, low_rank=False), DOMAINS)
     return lower_blocks(sound.pattern, order, bounds)
 
 
@@ -99,7 +99,7 @@ def test_domains_do_not_touch_each_other(sound, dissected):
     assert np.array_equal(row[~in_tail], column[~in_tail])
     assert 0 < in_tail.sum() < 0.5 * len(row)
     np.testing.assert_array_equal(np.sort(dissected.order), np.arange(len(dissected.order)))
-    held = held_bodies(sound.pattern, wide=False)
+    held = held_bodies(sound.pattern, low_rank=False)
     assert held[dissected.order[-held.sum() :]].all()
 
 

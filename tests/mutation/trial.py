@@ -110,7 +110,7 @@ def _unraised(found: list[str]) -> Iterator[None]:
 @contextmanager
 def _small_fields() -> Iterator[None]:
     """Limits of random fields that make the largest ones quick; beyond them they are refused as ever."""
-    with mock.patch.multiple("fissura.material.field.expansion", _MOST=1 << 16, _MOST_FINER=1 << 13, _SEPARABLE=2000):
+    with mock.patch.multiple("fissura.material.field.limits", MOST=1 << 16, MOST_FINER=1 << 13, SEPARABLE=2000):
         yield
 
 
