@@ -51,7 +51,20 @@ SHOWN = {"text", "diff"}
 SHELLS = {"bash", "sh"}
 
 #: Programs other than fissura, python and pip that commands on pages may call.
-OTHERS = {"source", ".ci/run", ".ci/package", "mkdocs", "lint-imports", "ruff", "mypy", "dask", "umask", "mkdir", "cd", "openssl"}
+OTHERS = {
+    "source",
+    ".ci/run",
+    ".ci/package",
+    "mkdocs",
+    "lint-imports",
+    "ruff",
+    "mypy",
+    "dask",
+    "umask",
+    "mkdir",
+    "cd",
+    "openssl",
+}
 
 #: Commands that are run, not only parsed: they take no more than a second or two.
 QUICK = {"new", "schema"}

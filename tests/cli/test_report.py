@@ -88,7 +88,7 @@ def reports(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         wanted.write_text("page")
         return wanted
 
-    monkeypatch.setattr(fissura.api.pages, "report", report)
+    monkeypatch.setattr("fissura.api.pages.report", report)
     return asked
 
 
@@ -120,7 +120,7 @@ def test_a_report_that_fails_leaves_the_run(
     def fails(source: Result, path: Path | None = None, **more: Any) -> Path:
         raise InputError("report.html", "is there, and Fissura did not write it", "another name")
 
-    monkeypatch.setattr(fissura.api.pages, "report", fails)
+    monkeypatch.setattr("fissura.api.pages.report", fails)
     done = call("run", tiny, "--output", "a", "--report")
     assert done.exit_code == 2
     assert "Fissura did not write it" in done.stderr

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import pytest
 
-import fissura.running.recorder
 from fissura.results import read_curve
 from fissura.text.quantities import force
 from sameness import assert_same
@@ -24,7 +23,7 @@ from .fakes import TINY, call
 
 @pytest.fixture
 def quick(tiny: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(fissura.running.recorder.Recorder, "_draw", lambda *_: None)
+    monkeypatch.setattr("fissura.running.recorder.Recorder._draw", lambda *_: None)
     monkeypatch.chdir(tiny.parent)
     return tiny
 

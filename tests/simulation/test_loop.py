@@ -517,7 +517,7 @@ def run_with(case, change, monkeypatch, *, full):
     """Steps of a run whose nuclei are a function of those of the plain beam, and of its own domain."""
     plain = fissura.simulation.discretization.nuclei_from_case(beam(), domain_from_case(beam()))
     with monkeypatch.context() as patch:
-        patch.setattr(fissura.simulation.discretization, "nuclei_from_case", lambda case, domain: change(plain, domain))
+        patch.setattr("fissura.simulation.discretization.nuclei_from_case", lambda case, domain: change(plain, domain))
         simulation = Simulation(case, full=full)
     return simulation, list(simulation.steps())
 
