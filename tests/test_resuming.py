@@ -335,7 +335,7 @@ def test_a_folder_without_a_checkpoint_is_refused(tmp_path):
     assert not (tmp_path / "none").exists()
 
 
-@pytest.mark.parametrize("damage", ["cut", "empty", "text", "a field", "newer"])
+@pytest.mark.parametrize("damage", ["cut", "empty", "text", "a class", "a field", "newer"])
 def test_a_damaged_checkpoint_is_refused(damage, ended, tmp_path):
     folder = tmp_path / "run"
     shutil.copytree(ended, folder)
@@ -347,13 +347,15 @@ def test_a_damaged_checkpoint_is_refused(damage, ended, tmp_path):
             found = {name: archive[name] for name in archive.files}
         text = {
             "text": {"text": np.frombuffer(b"{", np.uint8)},
-            "a field": {"text": np.frombuffer(found["text"].tobytes().replace(b'"State"', b'"Path"'), np.uint8)},
+            "a class": {"text": np.frombuffer(found["text"].tobytes().replace(b'"State"', b'"Path"'), np.uint8)},
+            "a field": {"text": np.frombuffer(found["text"].tobytes().replace(b'"totals"', b'"sums"'), np.uint8)},
             "newer": {"format_version": np.array(99)},
         }[damage]
         np.savez(path, **(found | text))
     error = refused(folder)
     assert error.key == str(path)
     assert "--overwrite" in error.allowed
+    assert ("another version of Fissura" in error.problem) == (damage in ("text", "a class", "a field"))
 
 
 def test_missing_sections_are_refused(ended, tmp_path):

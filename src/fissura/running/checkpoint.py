@@ -158,4 +158,5 @@ def read_checkpoint(folder: Path) -> Checkpoint:
             curve=curve,
         )
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(str(path), f"is damaged ({type(error).__name__}: {error})", _WHAT_TO_DO) from None
+        problem = f"is of another version of Fissura, or damaged ({type(error).__name__}: {error})"
+        raise InputError(str(path), problem, _WHAT_TO_DO) from None
