@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from fissura.case.macroscopic import macroscopic_elasticity, voigt
 from fissura.elasticity import limits
 from fissura.elasticity.pictures import plot_alpha, plot_size
-from fissura.elasticity.study import spread
+from fissura.elasticity.study import Study, spread
 from fissura.elasticity.tension import macroscopic_tension
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically
@@ -17,7 +17,6 @@ from fissura.files.folder import Folder
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.elasticity.study import Study
 
 __all__ = [
     "case_rows",

@@ -9,23 +9,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fissura.arrays import FloatArray
-from fissura.case import Patch, case_from_dict
+from fissura.case import Case, Patch, case_from_dict
 from fissura.contact import law_from_case
 from fissura.elasticity import limits
 from fissura.equilibrium import System, attach
 from fissura.material import material_from_case
-from fissura.specimen import Functional, conditions_from_case, domain_from_case, place_from_part
-from fissura.tessellation import discretize, nuclei_from_case, owners
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.specimen import Domain
-    from fissura.tessellation import Tessellation
+from fissura.specimen import Domain, Functional, conditions_from_case, domain_from_case, place_from_part
+from fissura.tessellation import Tessellation, discretize, nuclei_from_case, owners
 
 __all__ = ["Prism", "PrismConstants", "prism_case"]
 

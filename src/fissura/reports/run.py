@@ -22,13 +22,12 @@ from fissura.reports.page import rendered
 from fissura.reports.view import scene_of
 from fissura.results.curve import COLUMN_OF, TEXTS
 from fissura.results.measured import read_measured
-from fissura.specimen import domain_from_case
+from fissura.specimen import Domain, domain_from_case
 from fissura.text import quantities as text
 from fissura.text.units import scale_of, split_unit
 
 if TYPE_CHECKING:
     from fissura.results.result import Result
-    from fissura.specimen import Domain
 
 __all__ = ["run_page"]
 

@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 from fissura.results.curve import COLUMN_OF, Curve, peak_position
-from fissura.results.history import read_history
+from fissura.results.history import Frame, read_history
 from fissura.results.names import load_name
 from fissura.text import quantities as text
 from fissura.text.rows import Described
 
 if TYPE_CHECKING:
     from fissura.case import Case, Quantity
-    from fissura.results.history import Frame
     from fissura.simulation.step import Snapshot
 
 __all__ = ["RunData"]

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fissura.errors import InputError
 from fissura.files.archive import read_archive, write_archive
-from fissura.simulation.step import Snapshot
+from fissura.simulation.step import Moment, Snapshot, Step
 from fissura.tessellation.tessellation import Contacts, Polygons, SurfaceFacets, Tessellation
-
-if TYPE_CHECKING:
-    from fissura.simulation.step import Moment, Step
 
 __all__ = ["FORMAT", "FORMAT_VERSION", "LAST", "read_state", "read_states", "state_file", "write_state"]
 

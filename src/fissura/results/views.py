@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from fissura.results.dataframe import frame
 from fissura.results.run_data import RunData
-from fissura.results.xarrays import dataset_of
+from fissura.results.xarrays import Fields, dataset_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from fissura.results.xarrays import Fields
 
 __all__ = ["Views"]
 

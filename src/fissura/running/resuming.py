@@ -13,11 +13,10 @@ from fissura.results.provenance import versions
 from fissura.running.checkpoint import Checkpoint
 from fissura.simulation.entering import extended
 from fissura.simulation.saved import restored
-from fissura.simulation.step import Moment
+from fissura.simulation.step import Moment, Snapshot
 
 if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
-    from fissura.simulation.step import Snapshot
 
 __all__ = ["Begun", "begun"]
 

@@ -24,17 +24,14 @@ from fissura.progress.live import RunProgress
 from fissura.results.measured import read_measured
 from fissura.results.result import Result
 from fissura.results.summary import read_summary
-from fissura.running.checkpoint import checkpoint_in, read_checkpoint
+from fissura.running.checkpoint import Checkpoint, checkpoint_in, read_checkpoint
 from fissura.running.recorder import Recorder
-from fissura.running.resuming import begun
+from fissura.running.resuming import Begun, begun
 from fissura.simulation.loop import Simulation
 from fissura.simulation.memory import require_memory
 from fissura.simulation.observer import Observer, watched
 
 if TYPE_CHECKING:
-    from fissura.results import Result
-    from fissura.running.checkpoint import Checkpoint
-    from fissura.running.resuming import Begun
     from fissura.simulation.state import State
     from fissura.simulation.step import Step
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from fissura.case.continued import as_data
 from fissura.results.history import FILE as SECTIONS
+from fissura.results.history import HistoryWriter
 from fissura.results.provenance import versions
 from fissura.results.summary import peak_memory
 from fissura.running.checkpoint import FILE, Checkpoint, write_checkpoint
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
     from fissura.files.folder import Folder
     from fissura.results.curve import Curve
-    from fissura.results.history import HistoryWriter
     from fissura.simulation.loop import Simulation
     from fissura.simulation.state import State
 

@@ -18,13 +18,12 @@ from fissura.results.state import LAST, state_file, write_state
 from fissura.results.summary import result_folder, write_summary
 from fissura.running.chosen import ChosenStates
 from fissura.simulation.step import Moment
-from fissura.specimen import domain_from_case
+from fissura.specimen import Domain, domain_from_case
 
 if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.material.field import RandomField
     from fissura.results.result import Result
-    from fissura.specimen import Domain
 
 __all__ = ["draw_pictures", "stored", "write_case"]
 

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
-from fissura.equilibrium import Equilibrium, System, dissipation, reactions
+from fissura.equilibrium import Equilibrium, Goal, System, dissipation, reactions
 from fissura.simulation.found import Found, snapshot_of
 from fissura.simulation.model import Model
 from fissura.simulation.state import Before, Effort, State, Totals
 from fissura.simulation.step import Step
-
-if TYPE_CHECKING:
-    from fissura.equilibrium import Goal
 
 __all__ = ["accepted"]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from fissura.adaptivity import transfer_history
 from fissura.arrays import BoolArray
-from fissura.equilibrium import Equilibrium, System, settle
+from fissura.equilibrium import Equilibrium, Goal, PathFollower, System, settle
 from fissura.errors import InputError, Notice, RunStopped
 from fissura.linear import SingularMatrixError
 from fissura.simulation import limits
@@ -23,7 +23,6 @@ from fissura.simulation.state import State
 from fissura.simulation.stopping import FAILURES, reason, stopping
 
 if TYPE_CHECKING:
-    from fissura.equilibrium import Goal, PathFollower
     from fissura.simulation.model import Model
     from fissura.simulation.step import Step
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fissura.case import case_notices
-from fissura.contact import check_ductile, law_from_case
-from fissura.material import elastic_from_case, materials_from_case
+from fissura.case import Case, case_notices
+from fissura.contact import ContactLaw, check_ductile, law_from_case
+from fissura.material import Materials, Regions, elastic_from_case, materials_from_case
 from fissura.specimen import (
+    Conditions,
+    Domain,
     conditions_from_case,
     domain_from_case,
     edge_notices,
@@ -18,11 +20,7 @@ from fissura.specimen import (
 )
 
 if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.contact import ContactLaw
     from fissura.errors import Notice
-    from fissura.material import Materials, Regions
-    from fissura.specimen import Conditions, Domain
 
 __all__ = ["Described", "described"]
 

@@ -24,14 +24,13 @@ from fissura.errors import InputError
 from fissura.machine.kernel_threads import KernelThreads
 from fissura.material import check_not_everywhere, field_from_case
 from fissura.simulation.described import described
-from fissura.specimen import Conditions
+from fissura.specimen import Conditions, Drive
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from fissura.case import Case
-    from fissura.specimen import Drive
 
 __all__ = ["Discretization"]
 

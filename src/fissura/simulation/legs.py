@@ -11,15 +11,13 @@ import numpy as np
 from fissura.arrays import FloatArray
 from fissura.case.programme import GRAVITY, StageTarget
 from fissura.case.stages import LoadingStage
-from fissura.equilibrium import Leg
+from fissura.equilibrium import Leg, System
 from fissura.simulation import limits
-from fissura.specimen import Drive
+from fissura.specimen import Conditions, Drive
 
 if TYPE_CHECKING:
     from fissura.case import Case
-    from fissura.equilibrium import System
     from fissura.simulation.state import State
-    from fissura.specimen import Conditions
 
 __all__ = ["Planned", "ahead", "peak_so_far", "planned_legs"]
 

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fissura.equilibrium import Leg, PathFollower, StepSolver, System
+from fissura.equilibrium import Leading, Leg, PathFollower, StepSolver, System
 from fissura.simulation.discretization import Discretization
 from fissura.simulation.found import Found, snapshot_of
 from fissura.simulation.legs import ahead, planned_legs
 
 if TYPE_CHECKING:
     from fissura.case import Case, LoadingStage
-    from fissura.equilibrium import Leading
     from fissura.simulation.state import State
     from fissura.simulation.step import Snapshot
 

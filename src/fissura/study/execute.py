@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fissura.case import case_from_dict
 from fissura.errors import FissuraError, InputError, RunStopped
-from fissura.results.curve import columns, row
+from fissura.results.curve import Row, columns, row
 from fissura.results.summary import build_summary, peak_memory
 from fissura.simulation.loop import Simulation
 from fissura.simulation.memory import require_memory
@@ -18,7 +18,6 @@ from fissura.study.indicators import Observer
 from fissura.study.record import Record
 
 if TYPE_CHECKING:
-    from fissura.results.curve import Row
     from fissura.simulation.state import State
     from fissura.simulation.step import Step
 
