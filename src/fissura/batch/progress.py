@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
-from typing import Any
 
 from rich.console import Console
 
 from fissura.progress.live import EVERY_SECONDS, Live, duration
-from fissura.text.quantities import force
 
 __all__ = ["ManyProgress"]
 
@@ -76,12 +73,3 @@ class ManyProgress(Live):
         elif now - self._shown >= EVERY_SECONDS or not left:
             self._shown = now
             self.say(f"{self._before + self._done} of {self._total} runs, {text}")
-
-    def outcome(self, summary: Mapping[str, Any]) -> None:
-        """Show a run of an ensemble or a calibration that has ended."""
-        status, about, peak = summary["status"], summary["realisation"], summary.get("peak_load_N")
-        self.ended(
-            status,
-            "" if status == "finished" else f"{about['kind']} {about['number']:04d} {status}: {summary['message']}",
-            "" if peak is None else f"last peak {force(peak)} in {duration(summary['wall_s'])}",
-        )

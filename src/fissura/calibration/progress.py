@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from fissura.batch.progress import ManyProgress
 from fissura.calibration.problem import Problem
+from fissura.ensemble.progress import OutcomeProgress
 
 __all__ = ["CalibrationProgress"]
 
 
-class CalibrationProgress(ManyProgress):
+class CalibrationProgress(OutcomeProgress):
     """Shows the rounds of a calibration, and the runs as they end."""
 
     def start(self, problem: Problem, most: int) -> None:

@@ -286,8 +286,8 @@ class System:
 
     def largest_utilisation(self, response: Response) -> float:
         """Largest effective traction over strength of all contacts, as if none were damaged."""
-        damageable = self.law.utilisation(response.strain[self.damageable])
-        return max(float(damageable.max(initial=0.0)), float(self.elastic_utilisation(response).max(initial=0.0)))
+        used = self.law.utilisation(response.strain[self.damageable])
+        return max(float(used.max(initial=0.0)), float(self.elastic_utilisation(response).max(initial=0.0)))
 
     def stress(self, response: Response, load: float) -> FloatArray:
         """Stress in bodies [Pa], with the forces of loads and supports at their points; shape (n, 3, 3)."""
