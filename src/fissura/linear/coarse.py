@@ -91,14 +91,14 @@ def _condense(begin, end, indptr, indices, blocks, label, arm, unit, first, clus
 
 
 @njit()
-def _coarse_pattern(bodies, of_cluster, first, cluster, low_rank):  # type: ignore[no-untyped-def]
-    """Block columns on and right of the diagonal of ``P^T K P``, compressed; `low_rank` clusters all see each other."""
+def _coarse_pattern(bodies, of_cluster, first, cluster, coupled):  # type: ignore[no-untyped-def]
+    """Block columns on and right of the diagonal of ``P^T K P``, compressed; `coupled` clusters all see each other."""
     clusters = len(of_cluster) - 1
     seen = np.full(clusters, -1)
-    meets_all = np.zeros(clusters, dtype=np.bool_)
-    meets_all[low_rank] = True
+    is_coupled = np.zeros(clusters, dtype=np.bool_)
+    is_coupled[coupled] = True
     indptr = np.zeros(clusters + 1, dtype=np.int64)
-    columns = np.empty(len(cluster) + len(low_rank) * len(low_rank), dtype=np.int32)
+    columns = np.empty(len(cluster) + len(coupled) * len(coupled), dtype=np.int32)
     total = 0
     for c in range(clusters):
         begin = total
@@ -110,8 +110,8 @@ def _coarse_pattern(bodies, of_cluster, first, cluster, low_rank):  # type: igno
                     seen[d] = c
                     columns[total] = d
                     total += 1
-        if meets_all[c]:
-            for d in low_rank:
+        if is_coupled[c]:
+            for d in coupled:
                 if d >= c and seen[d] != c:
                     seen[d] = c
                     columns[total] = d
@@ -214,14 +214,14 @@ class CoarseSpace:
         threads.run(_condense, form.bounds, form.indptr, form.indices, *rest)
         SINGLE_THREAD.run(_condense, form.tail, form.indptr, form.indices, *rest)
         self._low_rank = LowRank.none() if low_rank is None else low_rank
-        self._low_rank_clusters: IntArray = np.unique(label[self._low_rank.bodies])
+        self._coupled: IntArray = np.unique(label[self._low_rank.bodies])
         self._low_rank_rows: FloatArray = self._restricted_rows()
 
     def _restricted_rows(self) -> FloatArray:
         """``R P`` on the clusters that rows of the part of low rank touch, (k, t, 6)."""
         bodies = self._low_rank.bodies
-        label = np.searchsorted(self._low_rank_clusters, self.label[bodies])
-        out = np.zeros((len(self._low_rank), len(self._low_rank_clusters), 6))
+        label = np.searchsorted(self._coupled, self.label[bodies])
+        out = np.zeros((len(self._low_rank), len(self._coupled), 6))
         for row, part in zip(self._low_rank.rows, out, strict=True):
             part[:] = restrict(0, len(label), len(part), label, self.arm[bodies], self.unit, row)
         return out
@@ -230,8 +230,8 @@ class CoarseSpace:
         """Entries on and above the diagonal of the coarse matrix ``P^T K P``."""
         bodies = np.argsort(self.label, kind="stable")
         of_cluster = np.searchsorted(self.label[bodies], np.arange(self.clusters + 1))
-        low_rank = self._low_rank_clusters
-        block_indptr, columns = _coarse_pattern(bodies, of_cluster, self._first, self._cluster, low_rank)
+        coupled = self._coupled
+        block_indptr, columns = _coarse_pattern(bodies, of_cluster, self._first, self._cluster, coupled)
         blocks = np.zeros((len(columns), 6, 6))
         _coarse_blocks(
             bodies,
@@ -245,9 +245,9 @@ class CoarseSpace:
             columns,
             blocks,
         )
-        for k, c in enumerate(low_rank):
+        for k, c in enumerate(coupled):
             row = slice(block_indptr[c], block_indptr[c + 1])
-            places = block_indptr[c] + np.searchsorted(columns[row], low_rank[k:])
+            places = block_indptr[c] + np.searchsorted(columns[row], coupled[k:])
             more = np.einsum("ra,rtb->tab", self._low_rank_rows[:, k], self._low_rank_rows[:, k:])
             blocks[places] += self._low_rank.stiffness * more
         size = 36 * len(columns) - 15 * self.clusters
@@ -266,7 +266,7 @@ class CoarseSpace:
         out = _sum(self._threads.run(restrict_product, self._pieces, *rest))
         if len(self._low_rank):
             forces = self._low_rank.stiffness * self._low_rank.values(z)
-            out[self._low_rank_clusters] += np.einsum("r,rtd->td", forces, self._low_rank_rows)
+            out[self._coupled] += np.einsum("r,rtd->td", forces, self._low_rank_rows)
         return out
 
     def add_motion(self, coarse: FloatArray, u: FloatArray) -> None:
