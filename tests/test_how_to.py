@@ -16,7 +16,7 @@ from conftest import SMALL_BEAM
 from fissura.case import case_from_dict, registry
 from fissura.case.adaptivity import Adaptivity
 from fissura.case.model import Case, Gauge, Material, Solver, Support
-from fissura.case.registry import NameIn, Registry
+from fissura.case.named import NameIn, Registry
 from fissura.case.schema import case_schema
 from fissura.case.shape import Specimen
 from fissura.errors import InputError

@@ -8,10 +8,11 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
+from fissura.case.named import NameIn
 from fissura.case.part import Part
 from fissura.case.ranges import LONGEST
 from fissura.case.region import Region
-from fissura.case.registry import CRITERIA, NameIn
+from fissura.case.registry import CRITERIA
 from fissura.case.report import fail
 from fissura.case.types import Flag, Fraction, PositiveLength, as_tuple, at_most
 

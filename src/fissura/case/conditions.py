@@ -9,12 +9,13 @@ from typing import Annotated, Any, ClassVar, Generic, Self, TypeVar
 
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
+from fissura.case.named import NameIn
 from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
 from fissura.case.place import Patch
 from fissura.case.platen import PlatenOfLoad, PlatenOfSupport
 from fissura.case.programme import GRAVITY
-from fissura.case.registry import GAUGES, SUPPORTS, NameIn
+from fissura.case.registry import GAUGES, SUPPORTS
 from fissura.case.report import fail
 from fissura.case.types import Direction
 from fissura.case.units import show

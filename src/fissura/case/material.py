@@ -8,11 +8,12 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from fissura.case.macroscopic import macroscopic_elasticity
+from fissura.case.named import NameIn
 from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
 from fissura.case.ranges import derived, instead
 from fissura.case.region import Region
-from fissura.case.registry import LAWS, NameIn
+from fissura.case.registry import LAWS
 from fissura.case.report import fail
 from fissura.case.types import (
     Alpha,

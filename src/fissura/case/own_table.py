@@ -18,8 +18,8 @@ from pydantic import (
     model_validator,
 )
 
+from fissura.case.named import Registry
 from fissura.case.part import Part
-from fissura.case.registry import Registry
 from fissura.errors import InputError
 
 __all__ = ["WithOwnTable"]

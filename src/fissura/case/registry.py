@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from fissura.case.named import NameIn, Registry, table_of
+from fissura.case.named import Registry, table_of
 
 if TYPE_CHECKING:
     from fissura.contact import ContactLaw
@@ -24,8 +24,6 @@ __all__ = [
     "SHAPES",
     "SOLVERS",
     "SUPPORTS",
-    "NameIn",
-    "Registry",
 ]
 
 #: What a law must have before any contact is known.

@@ -6,9 +6,10 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from fissura.case.named import NameIn
 from fissura.case.part import Part
 from fissura.case.ranges import LONGEST, derived
-from fissura.case.registry import SOLVERS, NameIn
+from fissura.case.registry import SOLVERS
 from fissura.case.report import fail
 from fissura.case.types import Duration, File, PositiveLength, Thousands
 

@@ -10,10 +10,11 @@ from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from fissura.case.accepted import NUMBER_WITH_UNIT, Schema, accepting
 from fissura.case.lengths import UNIT, NewSurface, Pair, in_unit
+from fissura.case.named import NameIn
 from fissura.case.own_table import WithOwnTable
 from fissura.case.part import Part
 from fissura.case.region import require_volume
-from fissura.case.registry import SHAPES, NameIn
+from fissura.case.registry import SHAPES
 from fissura.case.report import fail
 from fissura.case.types import Axis, File, Length, Point, PositiveLength, Size, StepLength, as_tuple, listed
 from fissura.case.units import show
