@@ -34,7 +34,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "elasticity": ("homogenise.Homogenisation", "specimen.Prism", "study.study"),
     "study": ("definition.load_study", "runner.run_study", "measures.measure"),
     "ensemble": ("runner.run_ensemble", "plan.Plan", "result.EnsembleResult"),
-    "batch": ("processes.computed",),
+    "batch": ("computing.compute_all", "machines.Machines"),
     "reports": ("run.run_page", "page.rendered", "view.scene_of"),
     "running": ("run.run", "recorder.Recorder", "checkpoint.Checkpoint"),
     "pictures": ("curves.curve_figure", "crack.plot_crack", "specimen.plot_specimen"),
