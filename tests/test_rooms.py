@@ -17,7 +17,6 @@ LATE = {
     "calibration/result.py": "drawn, shown in a notebook",
     "calibration/runner.py": "needs tomlkit, which is optional",
     "ensemble/result.py": "drawn, shown in a notebook",
-    "files/earlier.py": "cases are read without NumPy",
     "linear/symmetric.py": "needs PyAMG, which is optional",
     "results/comparison.py": "drawn, saved, shown in a notebook",
     "results/result.py": "drawn, saved, reported, shown in a notebook",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 
@@ -131,51 +130,6 @@ def test_a_picture_replaces_only_a_picture_of_ours(tmp_path: Path) -> None:
     put(tmp_path, "compare.png")
     with pytest.raises(InputError, match=r"--plot: .*compare\.png is there, and Fissura did not write it"):
         claimed(tmp_path / "compare.png", "--plot")
-
-
-# Folders of versions that did not mark them
-
-
-def earlier_run(folder: Path, **more: object) -> None:
-    put(folder, "curve.csv", "case.json", "bodies_0003.vtu", "bodies_0004.vtu", "compare.png", "notes.txt")
-    (folder / "bodies.pvd").write_text('<DataSet timestep="1" part="0" file="bodies_0003.vtu"/>')
-    summary = {"format_version": 1, "status": "finished", "versions": {"fissura": "0.1.0"}, **more}
-    (folder / "summary.json").write_text(json.dumps(summary))
-
-
-def test_a_run_of_before_marks(tmp_path: Path) -> None:
-    earlier_run(tmp_path)
-    assert kind_of(tmp_path) == "run"
-    assert prepare_folder(tmp_path, overwrite=True) == tmp_path
-    Folder.begun(tmp_path, "run")
-    assert everything(tmp_path) == {MARK, "bodies_0004.vtu", "compare.png", "notes.txt"}
-
-
-def test_an_ensemble_of_before_marks(tmp_path: Path) -> None:
-    put(tmp_path, "runs.csv", "pictures/peaks.png", "pictures/mine.png", "runs/0003_old/a.txt", "companions/photo.jpg")
-    plan = {"format_version": 1, "plan": {}, "versions": {"fissura": "0.1.0"}}
-    (tmp_path / "ensemble.json").write_text(json.dumps(plan))
-    put(tmp_path, "runs/0001/curve.csv", "runs/0002/mine.txt")
-    earlier_run(tmp_path / "runs" / "0001", realisation={"number": 1})
-    assert kind_of(tmp_path) == "ensemble"
-    assert Folder.kept(tmp_path, "ensemble").names()
-    Folder.begun(tmp_path, "ensemble")
-    assert everything(tmp_path) == {
-        MARK,
-        "pictures/mine.png",
-        "runs/0003_old/a.txt",
-        "companions/photo.jpg",
-        "runs/0002/mine.txt",
-        *(f"runs/0001/{name}" for name in ("bodies_0004.vtu", "compare.png", "notes.txt")),
-    }
-
-
-@pytest.mark.parametrize(
-    "text", ["{}", "[1]", '{"format_version": 1, "status": "ok"}', '{"status": "x", "versions": {}}']
-)
-def test_a_summary_of_another_program_is_no_mark(tmp_path: Path, text: str) -> None:
-    (tmp_path / "summary.json").write_text(text)
-    assert kind_of(tmp_path) is None
 
 
 @pytest.mark.parametrize("kind", ["ensemble", "calibration"])

@@ -106,7 +106,7 @@ def test_a_run_at_full_resolution_has_no_bound(folder):
     assert "adaptivity adds no error" in run_page(replace(Result.load(folder), full=True))
 
 
-def test_what_earlier_versions_did_not_record(folder):
+def test_what_is_not_recorded(folder):
     result = Result.load(folder)
     for key in ("commit", "machine", "date", "load_error_bound", "versions"):
         result.summary.pop(key, None)

@@ -70,14 +70,6 @@ def test_what_led_is_told(tmp_path):
     assert read_curve(tmp_path)["linear_iterations"].tolist() == [30] * 6
 
 
-def test_files_from_before_a_column_was_there(tmp_path):
-    names = [name for name in COLUMNS if name not in ("control", "linear_iterations")]
-    write(tmp_path / "curve.csv", [",".join(names), ",".join("1" for _ in names)])
-    read = read_curve(tmp_path)
-    assert list(read) == names
-    assert read["load_N"] == [1.0]
-
-
 def test_further_columns_are_kept(tmp_path):
     header = ",".join([*COLUMNS, "mine"])
     write(tmp_path / "curve.csv", [header, ",".join("1" for _ in range(len(COLUMNS) + 1))])

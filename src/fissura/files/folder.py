@@ -9,11 +9,10 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
-from typing import Literal, get_args
+from typing import Literal
 
 from fissura.errors import InputError
 from fissura.files.atomic import part_of
-from fissura.files.earlier import kind_before_marks, names_before_marks
 
 __all__ = [
     "MARK",
@@ -88,9 +87,7 @@ class Folder:
         """Go on with a folder, and mark it if it is not yet."""
         folder = cls(path)
         if not (path / MARK).exists() or _is_nothing(path / MARK):
-            names = list(folder.names())
             (path / MARK).write_text(f"fissura {kind} 1\n", encoding="utf-8")
-            folder.add(*names)
         return folder
 
     def add(self, *names: str) -> None:
@@ -109,9 +106,8 @@ class Folder:
         return self.path / names[0]
 
     def names(self) -> Iterator[str]:
-        """What the mark lists; without one, what an earlier version wrote into such a folder."""
-        lines = _lines(self.path / MARK)
-        yield from lines[1:] if lines else names_before_marks(self.path)
+        """What the mark lists; nothing without one."""
+        yield from _lines(self.path / MARK)[1:]
 
     def clear(self) -> None:
         """Remove what the mark lists, and folders that are empty then."""
@@ -150,11 +146,9 @@ class Folder:
 
 
 def kind_of(path: Path) -> str | None:
-    """What a folder is of, by its mark or by what earlier versions left there; None for any other folder."""
+    """What a folder is of, by its mark; None for any other folder."""
     lines = _lines(path / MARK)
-    if lines:
-        return lines[0].split()[1]
-    return kind_before_marks(path)
+    return lines[0].split()[1] if lines else None
 
 
 def prepare_folder(
@@ -285,12 +279,8 @@ def claimed(path: Path, option: str) -> Path:
     folder = Folder(path.parent)
     if os.path.lexists(path) and path.name not in folder.names():
         raise InputError(option, f"{path} is there, and Fissura did not write it", "another name")
-    Folder.kept(path.parent, _as_kind(kind_of(path.parent))).add(path.name)
+    folder.add(path.name)
     return path
-
-
-def _as_kind(name: str | None) -> FolderKind:
-    return next((kind for kind in get_args(FolderKind) if kind == name), "run")
 
 
 def _lines(mark: Path) -> list[str]:

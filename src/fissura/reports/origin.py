@@ -44,7 +44,7 @@ def origin_rows(summary: Mapping[str, Any], seed: str) -> list[tuple[str, str]]:
     Parameters
     ----------
     summary : mapping
-        Content of a ``summary.json``; those of earlier versions lack some of them.
+        Content of a ``summary.json``; that of a realisation that was refused lacks some of them.
     seed : str
         What to say of the seed.
     """
@@ -73,7 +73,7 @@ def bound_told(result: Result) -> list[str]:
         return ["The run is at full resolution from the start, so adaptivity adds no error."]
     bound = result.summary.get("load_error_bound")
     if bound is None:
-        return ["No bound is known: the run has no step, or an earlier version made it."]
+        return ["No bound is known: the run has no step."]
     return [
         f"At most {text.per_cent(float(bound))} of the peak load from a run of the same specimen at full resolution, at"
         " any gauge: in 9 of 10 runs of the study that the bound comes from, the difference was smaller. In the median"

@@ -96,20 +96,6 @@ ENERGY_AT = "dissipated_at_{}_J"
 COLUMN_OF: dict[Quantity, str] = {"gauge": "gauge_m", "displacement": "load_displacement_m"}
 """Column of each quantity that may be controlled."""
 
-LATER = frozenset(
-    {
-        "coarsenings",
-        "control",
-        "dissipated_at_places_J",
-        "exchanged_J",
-        "linear_iterations",
-        "stage",
-        "unbalanced_N",
-        "unbalanced_Nm",
-    }
-)
-"""Columns that the first files did not have."""
-
 
 def case_columns(case: Case) -> tuple[str, ...]:
     """Columns that follow those of `COLUMNS` in a case.
@@ -220,8 +206,7 @@ def read_curve(path: str | Path) -> Curve:
     Returns
     -------
     dict of str to (steps,) array
-        Every column of the file. Those of `COLUMNS` are there; only `LATER` ones are not where an earlier version
-        of Fissura wrote the file.
+        Every column of the file, at least those of `COLUMNS`.
 
     Raises
     ------
@@ -243,7 +228,7 @@ def read_curve(path: str | Path) -> Curve:
     except csv.Error as error:
         raise InputError(str(path), "is not a CSV text file", allowed) from error
     names = [name.strip() for name in lines[0][1]] if lines else []
-    missing = [name for name in COLUMNS if name not in names and name not in LATER]
+    missing = [name for name in COLUMNS if name not in names]
     if missing:
         raise InputError(str(path), f"has no column {', '.join(missing)}", "a first line naming " + ",".join(COLUMNS))
     rows = [_values(path, number, line, names) for number, line in lines[1:]]

@@ -212,7 +212,7 @@ def read_history(folder: str | Path) -> tuple[Frame, ...]:
     Raises
     ------
     InputError
-        There is no such folder, the run has not ended, an earlier version wrote its files, or the file is damaged.
+        There is no such folder, the run has not ended, or the file is missing or damaged.
 
     Examples
     --------
@@ -227,9 +227,7 @@ def read_history(folder: str | Path) -> tuple[Frame, ...]:
             raise InputError(str(folder), f"the run has not ended, so it has no {FILE}", "the folder of a run that has")
         if not summary.get("steps"):
             raise InputError(str(folder), "the run has no steps to draw", "the folder of a run with steps")
-        raise InputError(
-            str(path), "is missing; earlier versions did not write it", "results of this version: run again"
-        )
+        raise InputError(str(path), "is missing", "the files of the run as it left them; or run again")
     arrays = read_archive(path, FORMAT, FORMAT_VERSION)
     try:
         return _frames(arrays)
@@ -241,10 +239,9 @@ def read_history(folder: str | Path) -> tuple[Frame, ...]:
 
 def _frames(arrays: dict[str, NDArray[Any]], known: Sequence[Section] = ()) -> tuple[Frame, ...]:
     """Steps in a file; sections of earlier parts are known."""
-    first = int(arrays.get("sections.first", np.int64(0)))
-    sections = [*known[:first], *_sections_of(arrays)]
+    sections = [*known[: int(arrays["sections.first"])], *_sections_of(arrays)]
     frames, body = [], 0
-    controlled = arrays.get("steps.controlled", arrays["steps.gauge"])  # earlier files have only what was controlled
+    controlled = arrays["steps.controlled"]
     cracks = arrays["steps.crack_offsets"]
     for k, which in enumerate(arrays["steps.section"]):
         number, bodies = (int(arrays[f"steps.{name}"][k]) for name in ("number", "bodies"))

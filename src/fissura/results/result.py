@@ -8,7 +8,7 @@ from pathlib import Path
 from fissura.case import case_from_dict
 from fissura.errors import InputError
 from fissura.files.tables import read_json
-from fissura.results.curve import COLUMNS, read_curve
+from fissura.results.curve import read_curve
 from fissura.results.state import read_states
 from fissura.results.summary import curve_numbers, read_summary, result_folder
 from fissura.results.views import Views
@@ -78,7 +78,7 @@ class Result(Views):
         """
         folder = result_folder(folder)
         curve, summary = read_curve(folder / "curve.csv"), read_summary(folder / "summary.json")
-        if summary.get("status") == "running" and set(COLUMNS) <= set(curve):
+        if summary.get("status") == "running":
             summary |= curve_numbers(curve)  # it is written every second only, the curve after every step
         steps, told = len(curve["step"]), summary.get("steps")
         if summary.get("status") != "running" and isinstance(told, int) and told != steps:

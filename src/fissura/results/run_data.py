@@ -44,7 +44,7 @@ class RunData(Described):
         Raises
         ------
         InputError
-            The folder has no such file, because the run has not ended or an earlier version wrote it.
+            The folder has no such file, because the run has not ended.
         """
         if self.sections or self.folder is None:
             return self.sections
@@ -109,9 +109,8 @@ class RunData(Described):
 
     @property
     def led_by_energy(self) -> NDArray[np.bool_]:
-        """Whether dissipated energy led in a step, shape (steps,); never in files of before there was that choice."""
-        led = self.curve.get("control")
-        return np.zeros(self.steps, dtype=np.bool_) if led is None else led == "dissipation"
+        """Whether dissipated energy led in a step, shape (steps,)."""
+        return np.asarray(self.curve["control"] == "dissipation")
 
     @property
     def steps(self) -> int:

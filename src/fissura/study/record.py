@@ -14,7 +14,7 @@ from fissura.arrays import FloatArray, IntArray
 from fissura.case import Case, case_from_dict
 from fissura.errors import InputError
 from fissura.files.archive import read_archive, write_archive
-from fissura.results.curve import LATER, Curve, columns
+from fissura.results.curve import COLUMNS, Curve, columns
 from fissura.results.result import Result
 
 __all__ = ["FORMAT", "FORMAT_VERSION", "Energies", "Record", "case_text"]
@@ -137,7 +137,7 @@ class Record:
         """
         arrays = read_archive(path, FORMAT, FORMAT_VERSION)
         curve = _part(arrays, "curve.")
-        missing = set(columns([])) - set(curve) - LATER
+        missing = set(COLUMNS) - set(curve)
         try:
             if missing:
                 raise KeyError(f"column {', '.join(sorted(missing))}")
