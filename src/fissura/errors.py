@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-__all__ = ["EnsembleStopped", "FissuraError", "InputError", "Notice", "RunStopped", "one_line"]
-
 #: Most characters of a key, and of what is wrong and allowed, in a message.
 _LONGEST_KEY, _LONGEST_TEXT = 300, 1000
 

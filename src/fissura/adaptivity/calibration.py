@@ -16,8 +16,6 @@ from fissura.adaptivity import limits
 from fissura.arrays import FloatArray
 from fissura.equilibrium import System
 
-__all__ = ["calibrated", "gauge_compliance"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -18,8 +18,6 @@ from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.contact import AppliedLaw
 from fissura.tessellation import Tessellation
 
-__all__ = ["Coarsening", "needed_bodies"]
-
 
 def needed_bodies(
     tessellation: Tessellation,

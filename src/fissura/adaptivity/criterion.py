@@ -12,8 +12,6 @@ import numpy as np
 from fissura.arrays import BoolArray, FloatArray
 from fissura.tessellation import Tessellation
 
-__all__ = ["ElasticState", "rankine", "utilisation"]
-
 
 @dataclass(frozen=True)
 class ElasticState:

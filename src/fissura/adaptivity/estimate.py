@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from fissura.adaptivity import limits
 
-__all__ = ["load_error_bound"]
-
 
 def load_error_bound(utilisation: float, radius: float = limits.RADIUS) -> float:
     """Bound of the error of the load that holds for 90 % of the runs of the study, over the peak load.

@@ -8,8 +8,6 @@ from fissura.adaptivity.coarsening import Coarsening
 from fissura.adaptivity.region import RefinedRegion
 from fissura.arrays import FloatArray
 
-__all__ = ["Layout"]
-
 
 @dataclass(frozen=True)
 class Layout:

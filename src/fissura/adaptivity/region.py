@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.specimen import Domain
 
-__all__ = ["RefinedRegion", "region_from_case"]
-
 
 def _empty(*shape: int) -> FloatArray:
     return np.empty(shape)

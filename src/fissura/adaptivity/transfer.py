@@ -6,8 +6,6 @@ import numpy as np
 
 from fissura.arrays import FloatArray, IntArray
 
-__all__ = ["transfer_history"]
-
 
 def transfer_history(
     old_pairs: IntArray,

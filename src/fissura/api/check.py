@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from fissura.material.field import RandomField
     from fissura.specimen import Domain
 
-__all__ = ["CheckReport", "check"]
-
 _QUICK = 3.0
 """Compiling that takes no longer [s] is done for a check."""
 

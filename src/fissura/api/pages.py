@@ -15,8 +15,6 @@ from fissura.reports.page import write_page
 from fissura.reports.run import run_page
 from fissura.results.result import Result
 
-__all__ = ["report"]
-
 logger = logging.getLogger(__name__)
 
 NAME = "report.html"

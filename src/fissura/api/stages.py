@@ -10,8 +10,6 @@ from fissura.case.programme import GRAVITY
 from fissura.text.quantities import counted, force
 from fissura.text.quantities import energy as joules
 
-__all__ = ["stages_in_words", "study_in_words"]
-
 #: Targets of a stage that are told one by one, at most.
 _TOLD = 6
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from distributed import Client
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["LOST", "check_scheduler", "on_cluster"]
-
 _log = logging.getLogger(__name__)
 
 T = TypeVar("T")

@@ -13,8 +13,6 @@ from fissura.errors import EnsembleStopped
 from fissura.kernels import prepare_cache
 from fissura.machine.threads import threads_each
 
-__all__ = ["compute_all", "results"]
-
 T = TypeVar("T")
 R = TypeVar("R")
 

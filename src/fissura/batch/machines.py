@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from fissura.case import Case
 
-__all__ = ["Machines", "require_packages", "workers_that_fit"]
-
 INSTALL = "pip install fissura[ensemble]"
 
 

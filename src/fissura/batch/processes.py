@@ -24,8 +24,6 @@ from typing import Any, Generic, TypeVar
 from fissura.errors import EnsembleStopped
 from fissura.kernels import prepare_cache
 
-__all__ = ["DEATHS", "computed"]
-
 T = TypeVar("T")
 R = TypeVar("R")
 

@@ -8,8 +8,6 @@ from rich.console import Console
 
 from fissura.progress.live import EVERY_SECONDS, Live, duration
 
-__all__ = ["ManyProgress"]
-
 
 class ManyProgress(Live):
     """Shows how many of many runs have ended, and about how long the others take at the pace of these.

@@ -14,8 +14,6 @@ from fissura.text.rows import Described
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["FolderResult"]
-
 
 class FolderResult(Described):
     """A frozen dataclass whose files are in a folder."""

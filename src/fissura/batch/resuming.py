@@ -12,8 +12,6 @@ from fissura.errors import InputError
 from fissura.files.folder import FolderKind, prepare_folder
 from fissura.results.summary import read_summary
 
-__all__ = ["check_same", "folder_for", "head_of"]
-
 _NAMES: dict[FolderKind, str] = {"ensemble": "an ensemble", "calibration": "a calibration"}
 
 

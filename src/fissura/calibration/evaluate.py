@@ -13,8 +13,6 @@ from fissura.calibration.result import Calibration, Estimate, Fit
 from fissura.calibration.search import Found
 from fissura.calibration.surrogate import Samples, Surrogate
 
-__all__ = ["evaluated"]
-
 _log = logging.getLogger(__name__)
 
 #: Residual over what random structures alone would leave, correlation, and share of the points, that are warned of.

@@ -15,8 +15,6 @@ from fissura.calibration.problem import Test
 from fissura.errors import InputError
 from fissura.results.load_path import LoadPath
 
-__all__ = ["POINTS", "Observed", "at_points", "observed"]
-
 POINTS = 60
 """Points at which loads are compared, of each test."""
 

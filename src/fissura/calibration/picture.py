@@ -17,8 +17,6 @@ from fissura.text.units import scale_of
 if TYPE_CHECKING:
     from fissura.calibration.result import Calibration, Fit
 
-__all__ = ["draw_fit", "plot_calibration"]
-
 WIDE = 7.2
 
 

@@ -14,8 +14,6 @@ from fissura.case.units import ACCELERATION, DENSITY, DURATION, ENERGY_PER_AREA,
 from fissura.errors import InputError
 from fissura.results.measured import MeasuredBand
 
-__all__ = ["Problem", "Test", "Unknown", "number_of"]
-
 _DIMENSIONS = (STRESS, ENERGY_PER_AREA, LENGTH, FORCE, DENSITY, ACCELERATION, DURATION)
 
 

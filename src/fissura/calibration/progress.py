@@ -5,8 +5,6 @@ from __future__ import annotations
 from fissura.calibration.problem import Problem
 from fissura.ensemble.progress import OutcomeProgress
 
-__all__ = ["CalibrationProgress"]
-
 
 class CalibrationProgress(OutcomeProgress):
     """Shows the rounds of a calibration, and the runs as they end."""

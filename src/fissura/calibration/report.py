@@ -15,8 +15,6 @@ from fissura.reports.page import rendered, write_page
 if TYPE_CHECKING:
     from fissura.calibration.result import Calibration
 
-__all__ = ["write_report"]
-
 
 def write_report(result: Calibration) -> None:
     """Write ``calibration.png`` and ``calibration.html``."""

@@ -23,8 +23,6 @@ from fissura.errors import InputError
 from fissura.files.folder import folder_name
 from fissura.results.measured import read_measured
 
-__all__ = ["DEFAULT_UNKNOWNS", "Request", "is_request", "problem_of", "read_request", "request_of"]
-
 DEFAULT_UNKNOWNS = ("material.f_t", "material.G_t")
 
 #: Bounds of a positive unknown over its start, where they are not given: the widest of these that is allowed.

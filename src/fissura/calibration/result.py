@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Calibration", "Estimate", "Fit"]
-
 _ALLOWED = "the calibration.json of a Fissura calibration"
 
 

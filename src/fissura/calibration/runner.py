@@ -39,8 +39,6 @@ from fissura.results.summary import FORMAT_VERSION, read_summary
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["RUNS", "RUNS_MORE", "calibrate"]
-
 _log = logging.getLogger(__name__)
 
 RUNS, RUNS_MORE = 40, 20

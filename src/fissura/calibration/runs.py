@@ -22,8 +22,6 @@ from fissura.results.curve import COLUMN_OF, read_curve
 from fissura.results.load_path import LoadPath
 from fissura.results.summary import read_summary
 
-__all__ = ["OnRound", "Rounds"]
-
 OnRound = Callable[[int, list[dict[str, float]], int], None]
 
 

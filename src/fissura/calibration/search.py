@@ -21,8 +21,6 @@ from fissura.calibration.surrogate import Samples, Surrogate, fitted
 from fissura.calibration.uncertainty import Uncertainty, residuals, uncertainty, weighted_jacobian
 from fissura.errors import InputError
 
-__all__ = ["STEP", "Found", "Simulate", "least_runs", "search"]
-
 Simulate = Callable[[FloatArray, int], tuple[FloatArray, Sequence[Samples]]]
 """What is called with wanted coordinates, shape (designs, m), and a number of seeds: gives those that were run, and the
 runs of every test."""

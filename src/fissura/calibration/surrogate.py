@@ -15,8 +15,6 @@ import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
 
-__all__ = ["Samples", "Surrogate", "fitted"]
-
 #: Standard deviations of the priors, loads over their peak, coordinates as they are: slopes and curvatures.
 _SLOPE, _CURVATURE = 3.0, 0.7
 

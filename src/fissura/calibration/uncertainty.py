@@ -21,8 +21,6 @@ from fissura.calibration.observed import Observed
 from fissura.calibration.problem import Problem
 from fissura.calibration.surrogate import Surrogate
 
-__all__ = ["SURE", "Uncertainty", "residuals", "uncertainty", "weighted_jacobian"]
-
 SURE = 0.95
 """Probability of the intervals that are told."""
 

@@ -16,8 +16,6 @@ from fissura.case import Case, case_from_dict
 from fissura.case.changed import parts_of_key, value_at
 from fissura.errors import InputError
 
-__all__ = ["case_text", "files_of"]
-
 #: Keys that hold paths of files.
 _FILES = ("output.measured", "discretization.nuclei", "specimen.mesh")
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
 
-__all__ = ["NUMBER_WITH_UNIT", "Schema", "accepting", "change_of", "one_or_list"]
-
 Schema: TypeAlias = dict[str, Any]
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -16,8 +16,6 @@ from fissura.case.registry import CRITERIA
 from fissura.case.report import fail
 from fissura.case.types import Flag, Fraction, PositiveLength, as_tuple, at_most
 
-__all__ = ["LEVELS", "Adaptivity", "Level"]
-
 
 @dataclass(frozen=True)
 class Level:

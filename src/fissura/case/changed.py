@@ -14,8 +14,6 @@ from fissura.case.part import Part
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["changed", "parts_of_key", "value_at"]
-
 P = TypeVar("P", bound=Part)
 
 Tree = dict[str | int, Any]

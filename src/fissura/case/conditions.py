@@ -20,8 +20,6 @@ from fissura.case.report import fail
 from fissura.case.types import Direction
 from fissura.case.units import show
 
-__all__ = ["Gauge", "Load", "Named", "Support", "Tables", "named"]
-
 P = TypeVar("P", bound=Part)
 
 #: Names of loads and gauges, and how many of each there may be.

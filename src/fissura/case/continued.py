@@ -12,8 +12,6 @@ from fissura.case.stages import LoadingStage
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["as_data", "changes", "continued"]
-
 #: Steps of ``[control]`` that a case file need not give: those of before stay.
 _STEPS = ("max_step", "first_step", "min_step", "energy_step")
 

@@ -13,8 +13,6 @@ from fissura.case.report import fail
 from fissura.case.types import Count, Repeats, listed
 from fissura.case.units import plain, show
 
-__all__ = ["COMBINE", "Combine", "Ensemble", "Varied", "lists_of_values"]
-
 Varied = dict[str, tuple[Any, ...]]
 """Values by dotted key, as a case file gives them."""
 

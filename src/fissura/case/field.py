@@ -18,8 +18,6 @@ from fissura.case.types import (
     WeibullShape,
 )
 
-__all__ = ["EnergyField", "Field"]
-
 
 class EnergyField(Part):
     """Field of the fracture energy, where it does not follow that of the strength."""

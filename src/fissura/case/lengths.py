@@ -13,8 +13,6 @@ from fissura.case.report import fail
 from fissura.case.types import Length, Point, list_of, listed
 from fissura.case.units import LENGTH, show, to_si
 
-__all__ = ["UNIT", "Line", "NewSurface", "Pair", "SurfaceName", "SurfaceNames", "in_unit"]
-
 #: Description of the key `unit`.
 UNIT = 'the unit of the plain numbers in this table, such as "mm"'
 

@@ -13,8 +13,6 @@ from fissura.case.report import input_error
 from fissura.files.folder import folder_name
 from fissura.files.tables import read_json, read_toml
 
-__all__ = ["case_from_dict", "case_of", "load_case", "read_case_file"]
-
 ALLOWED = "a case file (TOML, UTF-8), or the case.json of a run"
 
 

@@ -23,8 +23,6 @@ from fissura.errors import InputError
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
 
-__all__ = ["MacroscopicElasticity", "macroscopic_elasticity", "voigt"]
-
 
 def voigt(alpha: float) -> tuple[float, float]:
     """Voigt's estimate of ``E_macro / E`` and Poisson's ratio: no fluctuations, all directions of contacts alike."""

@@ -33,8 +33,6 @@ from fissura.case.types import (
 from fissura.case.units import ENERGY_PER_AREA, STRESS, told
 from fissura.errors import InputError
 
-__all__ = ["Macro", "Material"]
-
 #: Constants that are bounded by another one: that one, and the least and the largest ratio to it. Within them, and the
 #: ranges of the other constants, strengths and softening moduli of the contact law are finite in all directions.
 RATIOS = (

@@ -22,8 +22,6 @@ from fissura.case.report import fail
 from fissura.case.types import as_tuple, at_most
 from fissura.errors import InputError
 
-__all__ = ["MaterialRegion"]
-
 #: Keys of [material] that hold for all of a specimen.
 _COMMON = ("law", "elastic")
 

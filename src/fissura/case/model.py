@@ -27,8 +27,6 @@ from fissura.case.types import Count, as_tuple, at_most
 from fissura.case.units import show
 from fissura.files.folder import folder_name
 
-__all__ = ["Case"]
-
 
 class Case(Part):
     """A whole case: specimen, conditions, material, discretization and control.

@@ -16,8 +16,6 @@ from fissura.case.report import fail
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["NameIn", "Registry", "table_of"]
-
 T = TypeVar("T")
 
 #: Names are keys of tables and files, too.

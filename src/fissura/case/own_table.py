@@ -22,8 +22,6 @@ from fissura.case.named import Registry
 from fissura.case.part import Part
 from fissura.errors import InputError
 
-__all__ = ["WithOwnTable"]
-
 
 class WithOwnTable(Part):
     """Part of a case with one table more, whose name and model are those of an entry of a registry."""

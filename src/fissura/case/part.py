@@ -10,8 +10,6 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from fissura.case.report import fail, input_error
 from fissura.errors import InputError
 
-__all__ = ["Part"]
-
 
 class Part(BaseModel):
     """Base of all parts of a case: frozen, keys that are not known are errors."""

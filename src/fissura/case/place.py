@@ -11,8 +11,6 @@ from fissura.case.part import Part
 from fissura.case.report import fail
 from fissura.case.types import Axis, Direction, Length, Point, PositiveLength, Thickness
 
-__all__ = ["Box", "Notch", "Patch"]
-
 #: Axis along which positions on a face of a box are given unless the case says otherwise.
 FACE_AXIS: dict[str, Axis] = {"left": "y", "right": "y", "bottom": "x", "top": "x", "front": "x", "back": "x"}
 

@@ -11,8 +11,6 @@ from fissura.case.part import Part
 from fissura.case.report import fail
 from fissura.case.units import show
 
-__all__ = ["Platen", "PlatenOfLoad", "PlatenOfSupport"]
-
 _CONTACTS = ("glued", "frictionless")
 _ALLOWED = '"glued" or "frictionless", or a table with contact'
 

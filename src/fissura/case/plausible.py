@@ -11,8 +11,6 @@ from fissura.case.model import Case
 from fissura.case.units import DENSITY, ENERGY_PER_AREA, LENGTH, STRESS, Dimension, told
 from fissura.errors import Notice
 
-__all__ = ["CHECKS", "case_notices", "suspect"]
-
 #: Share of `E` above which a strength is no strength of a brittle material: strain at failure is 40 to 100 millionths.
 MOST_STRAIN = 0.01
 

@@ -15,8 +15,6 @@ from fissura.case.model import Case
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["MOST_POINTS", "Point", "Value", "points_of"]
-
 Value: TypeAlias = float | str
 """A value as tables have it: numbers in SI units, everything else as text."""
 

@@ -17,8 +17,6 @@ from fissura.case.report import fail
 from fissura.case.types import Direction, Flag, Fraction, Iterations, Share, StepLength, Target, Tolerance, listed
 from fissura.case.units import ACCELERATION, DENSITY, FORCE, LENGTH, NUMBER, show
 
-__all__ = ["GRAVITY", "Control", "Gravity", "Stage", "StageTarget"]
-
 GRAVITY = "gravity"
 """Name of the load that is the specimen's own weight."""
 

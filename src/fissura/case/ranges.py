@@ -14,29 +14,6 @@ from fissura.case.accepted import NUMBER_WITH_UNIT, accepting
 from fissura.case.report import fail
 from fissura.case.units import Dimension, show, to_si
 
-__all__ = [
-    "ACCELERATIONS",
-    "BULK_MODULI",
-    "COORDINATES",
-    "CORRELATION",
-    "DENSITIES",
-    "DURATIONS",
-    "ENERGIES",
-    "FORCES",
-    "LENGTHS",
-    "LONGEST",
-    "MODULI",
-    "POSITIVE",
-    "STRENGTHS",
-    "WIDTHS",
-    "Range",
-    "between",
-    "derived",
-    "instead",
-    "quantity",
-    "unless",
-]
-
 #: Largest length in a case [m]. Longer defaults are cut to it, so that a case can be read again from its own values.
 LONGEST = 1e4
 

@@ -12,8 +12,6 @@ from fissura.case.report import fail
 from fissura.case.types import Point, PositiveLength
 from fissura.case.units import show
 
-__all__ = ["BallRegion", "BoxRegion", "Region", "require_volume"]
-
 
 def require_volume(lower: tuple[float, ...], upper: tuple[float, ...]) -> None:
     """Fail, for the key ``upper``, where corners of a box leave it no volume."""

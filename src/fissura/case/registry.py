@@ -15,17 +15,6 @@ if TYPE_CHECKING:
     from fissura.contact import ContactLaw
     from fissura.pictures.registered import Picture
 
-__all__ = [
-    "CRITERIA",
-    "ENSEMBLE_PICTURES",
-    "GAUGES",
-    "LAWS",
-    "PICTURES",
-    "SHAPES",
-    "SOLVERS",
-    "SUPPORTS",
-]
-
 #: What a law must have before any contact is known.
 _LAW = (
     *("create", "limits", "initial_history", "damage", "intact", "unloaded", "loading"),

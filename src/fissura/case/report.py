@@ -13,8 +13,6 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 from fissura.case.units import show
 from fissura.errors import InputError
 
-__all__ = ["fail", "input_error"]
-
 #: Errors of defaults that only wait for another key, which is wrong itself.
 WAITING = ("waiting", "default_factory_not_called")
 

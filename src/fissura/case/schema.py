@@ -17,8 +17,6 @@ from fissura.case.model import Case
 from fissura.case.own_table import WithOwnTable
 from fissura.case.shape import Specimen
 
-__all__ = ["case_schema"]
-
 _DRAFT = "http://json-schema.org/draft-07/schema#"  # the latest one that TOML editors know
 _INSIDE, _DEFINITIONS = "#/$defs/", "#/definitions/"
 

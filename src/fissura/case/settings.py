@@ -13,8 +13,6 @@ from fissura.case.registry import SOLVERS
 from fissura.case.report import fail
 from fissura.case.types import Duration, File, PositiveLength, Thousands
 
-__all__ = ["Discretization", "Output", "Solver"]
-
 
 class Discretization(Part):
     """Spacing of the nuclei."""

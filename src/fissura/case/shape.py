@@ -19,8 +19,6 @@ from fissura.case.report import fail
 from fissura.case.types import Axis, File, Length, Point, PositiveLength, Size, StepLength, as_tuple, listed
 from fissura.case.units import show
 
-__all__ = ["Block", "Bore", "Corner", "Cylinder", "Outline", "Prism", "Specimen", "Void", "Voids"]
-
 #: Most entries of an outline; each of them becomes a cell or more.
 MOST_CORNERS = 2000
 

@@ -10,8 +10,6 @@ from fissura.case.programme import GRAVITY, Control, Stage, StageTarget
 from fissura.case.report import fail
 from fissura.case.units import show
 
-__all__ = ["LoadingStage", "Quantity", "resolved_stages"]
-
 Quantity = Literal["gauge", "displacement"]
 """What may be controlled: the gauge, or the displacement of the load."""
 

@@ -30,51 +30,6 @@ from fissura.case.ranges import (
 from fissura.case.report import fail
 from fissura.case.units import DURATION, ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, plain, show
 
-__all__ = [
-    "Alpha",
-    "Axis",
-    "BulkModulus",
-    "CorrelationLength",
-    "Count",
-    "Direction",
-    "Duration",
-    "Exponent",
-    "File",
-    "Flag",
-    "Fraction",
-    "FractureEnergy",
-    "Gaussians",
-    "Iterations",
-    "Length",
-    "Lengths",
-    "Modulus",
-    "Order",
-    "Point",
-    "PoissonRatio",
-    "PositiveEnergyPerArea",
-    "PositiveLength",
-    "PositiveStress",
-    "Repeats",
-    "Shape",
-    "Share",
-    "SignedShare",
-    "Size",
-    "Slope",
-    "StepLength",
-    "Strength",
-    "Target",
-    "Thickness",
-    "Thousands",
-    "Tolerance",
-    "Variation",
-    "WeibullShape",
-    "as_tuple",
-    "at_most",
-    "list_of",
-    "listed",
-    "whole",
-]
-
 Axis = Literal["x", "y", "z"]
 LARGEST_INTEGER = 2**63 - 1
 

@@ -15,22 +15,6 @@ from fissura.errors import one_line
 if TYPE_CHECKING:
     import pint
 
-__all__ = [
-    "ACCELERATION",
-    "DENSITY",
-    "DURATION",
-    "ENERGY_PER_AREA",
-    "FORCE",
-    "LENGTH",
-    "NUMBER",
-    "STRESS",
-    "Dimension",
-    "plain",
-    "show",
-    "to_si",
-    "told",
-]
-
 _QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
 _LONGEST, _LONGEST_SHOWN = 80, 60
 

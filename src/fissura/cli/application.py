@@ -19,8 +19,6 @@ from fissura.cli.running import check, new, run, schema
 from fissura.cli.streams import forgiving, unwritten
 from fissura.cli.study import study
 
-__all__ = ["app", "main", "start_light"]
-
 app = typer.Typer(
     help="Simulates the fracture of concrete with adaptive discrete models.",
     no_args_is_help=True,

@@ -14,8 +14,6 @@ from fissura.cli.options import FullOption, OverwriteOption, QuietOption, Resume
 from fissura.cli.resuming import Resumable
 from fissura.machine.interrupts import interruptible
 
-__all__ = ["calibrate"]
-
 
 def calibrate(
     case: Annotated[

@@ -15,25 +15,6 @@ from rich.text import Text
 from fissura.cli.machine import for_programs, is_for_programs, tell_error
 from fissura.errors import FissuraError, InputError, RunStopped
 
-__all__ = [
-    "BAD_INPUT",
-    "INTERRUPTED",
-    "NOT_WRITTEN",
-    "STOPPED",
-    "Warnings",
-    "check_ending",
-    "errors",
-    "file_names",
-    "go_on",
-    "not_written",
-    "print_columns",
-    "print_table",
-    "say",
-    "verbosely",
-    "warnings",
-    "writing",
-]
-
 #: Pictures that can be written.
 _PICTURES = "a name that ends in .png, .pdf or .svg"
 

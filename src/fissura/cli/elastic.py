@@ -13,8 +13,6 @@ from fissura.cli.console import errors, not_written, print_columns, print_table,
 from fissura.cli.options import OverwriteOption
 from fissura.errors import InputError
 
-__all__ = ["elastic"]
-
 ALPHA = "0.05,0.1,0.2,0.29,0.4,0.5,0.7,1"
 
 

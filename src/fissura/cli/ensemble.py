@@ -23,8 +23,6 @@ from fissura.cli.options import (
 from fissura.cli.resuming import Resumable
 from fissura.machine.interrupts import interruptible
 
-__all__ = ["ensemble"]
-
 
 class Mode(StrEnum):
     """What is random."""

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from fissura.errors import Notice
     from fissura.results.comparison import Comparison
 
-__all__ = ["check_json", "comparison_json", "for_programs", "is_for_programs", "print_json", "tell_error"]
-
 _FORMAT_VERSION = 1
 """Of all of these objects; docs/command-line.md has their keys."""
 

@@ -7,17 +7,6 @@ from typing import Annotated
 
 import typer
 
-__all__ = [
-    "CaseArgument",
-    "FullOption",
-    "JsonOption",
-    "OverwriteOption",
-    "QuietOption",
-    "ResumeOption",
-    "SchedulerOption",
-    "WorkersOption",
-]
-
 CaseArgument = Annotated[
     Path, typer.Argument(metavar="CASE", help="Case file (TOML), or case.json of a run.", show_default=False)
 ]

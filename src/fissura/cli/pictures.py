@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from fissura.pictures.specimen import Sight
     from fissura.simulation.loop import Simulation
 
-__all__ = ["animate", "compare", "moments", "show"]
-
 ResultArgument = Annotated[Path, typer.Argument(metavar="RESULT", help="Result folder.", show_default=False)]
 StressOption = Annotated[
     bool, typer.Option("--stress", help="Colour bodies by their largest principal stress, not by size.")

@@ -17,8 +17,6 @@ from fissura.errors import RunStopped
 if TYPE_CHECKING:
     from fissura.results.result import Result
 
-__all__ = ["report", "report_at_end", "reported"]
-
 
 def report(
     folder: Annotated[Path, typer.Argument(metavar="RESULT", help="Result folder.", show_default=False)],

@@ -12,8 +12,6 @@ import typer
 from fissura.cli.console import INTERRUPTED, STOPPED, not_written, say
 from fissura.errors import FissuraError
 
-__all__ = ["Resumable"]
-
 
 class Resumable:
     """Turns every way in which a command with many runs can end early into a message that says how to go on.

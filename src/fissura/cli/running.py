@@ -29,8 +29,6 @@ from fissura.machine.interrupts import interruptible
 if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
 
-__all__ = ["check", "new", "run", "schema"]
-
 #: What TOML editors look for in the first line of a case, and what to do for it.
 _HEAD = """\
 #:schema ./fissura.schema.json

@@ -6,8 +6,6 @@ import errno
 import io
 from typing import Any
 
-__all__ = ["forgiving", "unwritten"]
-
 #: What a stream says whose reader has gone: the other end of a pipe, a terminal that was closed.
 _GONE = {errno.EPIPE, errno.EIO, errno.EBADF, errno.ENXIO, errno.ECONNRESET, errno.ESHUTDOWN}
 

@@ -14,8 +14,6 @@ from fissura.cli.options import SchedulerOption
 from fissura.cli.resuming import Resumable
 from fissura.machine.interrupts import interruptible
 
-__all__ = ["study"]
-
 
 def study(
     plan: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],

@@ -8,8 +8,6 @@ from typing import Any
 
 from fissura.errors import InputError
 
-__all__ = ["seed_list", "setting", "varied"]
-
 _VARY = '"KEY=VALUE, VALUE", such as "material.f_t=2.5 MPa, 3 MPa"'
 
 

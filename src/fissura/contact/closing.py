@@ -14,9 +14,6 @@ from fissura.arrays import FloatArray
 from fissura.contact.law import CusatisCedolin
 from fissura.kernels import njit
 
-__all__ = ["ClosingCusatisCedolin"]
-
-
 #: Column of history behind those of the published law: 1 where the contact is pressed.
 _CLOSED = 3
 

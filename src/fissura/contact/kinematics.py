@@ -10,16 +10,6 @@ from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.tessellation import Contacts, Tessellation
 
-__all__ = [
-    "Kinematics",
-    "add_stiffness",
-    "contact_strains",
-    "kinematics",
-    "kinematics_of",
-    "nodal_forces",
-    "tangent_directions",
-]
-
 
 @dataclass(frozen=True)
 class Kinematics:

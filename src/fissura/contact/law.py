@@ -17,8 +17,6 @@ from fissura.contact.strength import lowest_strength, transition_angle, utilisat
 from fissura.errors import InputError
 from fissura.material import Material
 
-__all__ = ["CusatisCedolin"]
-
 #: Name of the limit from which shear and tension soften alike.
 _BOTH = "of both together"
 

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from fissura.material import Material
 
-__all__ = ["AppliedLaw", "ContactLaw"]
-
 
 class AppliedLaw(Protocol):
     """A law for a set of k contacts: tractions from strains and history.

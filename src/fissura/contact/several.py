@@ -11,9 +11,6 @@ from fissura.arrays import FloatArray, IntArray
 from fissura.contact.protocol import AppliedLaw, ContactLaw
 from fissura.material import Material, Materials
 
-__all__ = ["LawOfMaterials"]
-
-
 _NONE = np.empty(0)
 
 

@@ -8,8 +8,6 @@ from fissura.contact.limits import INTACT_SHARE
 from fissura.contact.strength import compression_strength, tension_shear_strength
 from fissura.kernels import INNER, njit
 
-__all__ = ["respond"]
-
 
 @njit(**INNER)
 def _surface(omega, sin, cos, e, e_max, scale, k_t, n_t, par):  # type: ignore[no-untyped-def]

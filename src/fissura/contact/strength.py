@@ -11,8 +11,6 @@ from fissura.errors import InputError
 from fissura.kernels import njit
 from fissura.material import Material
 
-__all__ = ["compression_strength", "lowest_strength", "tension_shear_strength", "transition_angle", "utilisations"]
-
 
 @njit()
 def tension_shear_strength(sin, cos, alpha, f_t, f_s, mu):  # type: ignore[no-untyped-def]

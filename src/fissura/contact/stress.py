@@ -8,8 +8,6 @@ from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 from fissura.tessellation import Tessellation
 
-__all__ = ["body_stress"]
-
 
 @njit()
 def _contact_moments(bodies, area, centroid, x, frame, traction, out):  # type: ignore[no-untyped-def]

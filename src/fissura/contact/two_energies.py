@@ -17,8 +17,6 @@ from fissura.case.ranges import between, quantity
 from fissura.case.units import NUMBER
 from fissura.contact.law import CusatisCedolin
 
-__all__ = ["TwoEnergies", "TwoEnergiesTable"]
-
 
 class TwoEnergiesTable(Part):
     """The table ``[material.cusatis-cedolin-two-energies]``."""

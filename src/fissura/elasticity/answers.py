@@ -18,15 +18,6 @@ from fissura.files.folder import Folder
 if TYPE_CHECKING:
     from fissura.case import Case
 
-__all__ = [
-    "case_rows",
-    "inverse_rows",
-    "layer_table",
-    "study_table",
-    "write",
-    "write_csv",
-]
-
 _KINDS = {"periodic": "periodic cell", "gauge": "prism, gauge", "ends": "prism, end to end"}
 
 

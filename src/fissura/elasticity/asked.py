@@ -9,8 +9,6 @@ from fissura.case.units import ENERGY_PER_AREA, LENGTH, NUMBER, STRESS, Dimensio
 from fissura.elasticity import limits
 from fissura.errors import InputError
 
-__all__ = ["parse_inverse", "parse_modulus", "parse_numbers", "parse_tension"]
-
 
 def parse_numbers(text: str, key: str, low: float, high: float) -> tuple[float, ...]:
     """Numbers separated by commas.

@@ -17,8 +17,6 @@ from fissura.linear.assembly import pattern
 from fissura.linear.symmetric import SymmetricSolver
 from fissura.tessellation.periodic import PeriodicCell
 
-__all__ = ["Homogenisation"]
-
 
 class Homogenisation:
     """Elastic equations of one periodic cell, for contact constants yet to be given.

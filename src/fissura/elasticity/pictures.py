@@ -13,8 +13,6 @@ from fissura.elasticity.study import Row, Study, spread
 from fissura.pictures.curves import BLUE, DPI, INK, LIGHT, ORANGE, headline, tidy
 from fissura.pictures.lettering import save
 
-__all__ = ["SPARSE", "plot_alpha", "plot_size"]
-
 #: Bulk values of structures with 0.65 nuclei in a cube of side ``l_min``, where saturated ones have 0.73: alpha, E/E_c,
 #: nu (theory section 2). Fewer nuclei than fit make the material softer where `alpha` is small.
 SPARSE = (

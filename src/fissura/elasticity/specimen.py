@@ -22,9 +22,6 @@ from fissura.material import material_from_case
 from fissura.specimen import Domain, Functional, conditions_from_case, domain_from_case, place_from_part
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case, owners
 
-__all__ = ["Prism", "PrismConstants", "prism_case"]
-
-
 #: Constants that only have to be possible, since only the elastic equations are used: no contact is too long for them.
 _NO_FRACTURE = {"f_t": 1.0, "G_t": 1e9}
 

@@ -8,9 +8,6 @@ import numpy as np
 
 from fissura.arrays import FloatArray
 
-__all__ = ["PAIRS", "Isotropic", "anisotropy", "isotropic_part", "unit_strains"]
-
-
 #: Axes of the six components in the order of Voigt: xx, yy, zz, yz, xz, xy.
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 

@@ -16,9 +16,6 @@ from fissura.elasticity.specimen import Prism
 from fissura.elasticity.stiffness import anisotropy, isotropic_part
 from fissura.tessellation.periodic import PeriodicCell
 
-__all__ = ["KINDS", "LayerFit", "Row", "Study", "structure_seeds", "study"]
-
-
 #: What is measured: periodic cells; prisms by gauges on their sides; prisms from end to end.
 KINDS = ("periodic", "gauge", "ends")
 

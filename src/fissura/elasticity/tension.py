@@ -18,8 +18,6 @@ from itertools import pairwise
 
 from fissura.elasticity import limits
 
-__all__ = ["MacroscopicTension", "Prisms", "macroscopic_tension"]
-
 
 @dataclass(frozen=True)
 class Prisms:

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from fissura.ensemble.plan import Plan
 
-__all__ = ["ValueAxis", "value_axis_of"]
-
 _GIVEN = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(\S.*?)\s*")
 
 

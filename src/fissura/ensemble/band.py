@@ -19,8 +19,6 @@ from fissura.results.load_path import LoadPath
 if TYPE_CHECKING:
     from fissura.case import Quantity
 
-__all__ = ["Band", "band", "write_bands"]
-
 POINTS = 200
 """Intervals of the abscissa."""
 

@@ -9,8 +9,6 @@ from scipy.special import chdtri, stdtrit
 
 from fissura.arrays import FloatArray, IntArray
 
-__all__ = ["Convergence", "convergence", "cov_interval", "mean_interval"]
-
 
 @dataclass(frozen=True, eq=False)
 class Convergence:

@@ -11,8 +11,6 @@ from fissura.ensemble.result import EnsembleResult
 from fissura.pictures.curves import INK, LIGHT, ORANGE, headline, tidy
 from fissura.specimen import domain_from_case
 
-__all__ = ["plot_crack_starts"]
-
 WIDE = 7.2
 
 

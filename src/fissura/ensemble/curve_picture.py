@@ -29,8 +29,6 @@ from fissura.text.units import scale_of
 if TYPE_CHECKING:
     from fissura.case import Case
 
-__all__ = ["draw_curves", "plot_curves"]
-
 WIDE = 7.2
 
 

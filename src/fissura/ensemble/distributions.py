@@ -18,8 +18,6 @@ from scipy.special import log_ndtr, ndtr, ndtri
 
 from fissura.arrays import FloatArray
 
-__all__ = ["FAMILIES", "GAUSSIAN", "WEIBULL", "Family", "Fit", "fit", "median_ranks"]
-
 BOOTSTRAPS = 4000
 """Standard samples for bounds: their 5 % points are then known within about 0.35 %."""
 

@@ -12,8 +12,6 @@ from fissura.ensemble.table import Table
 if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult
 
-__all__ = ["GROUP_KINDS", "group_rows"]
-
 GROUP_KINDS = {"point": int, "runs": int, "counted": int}
 """Columns of whole numbers."""
 

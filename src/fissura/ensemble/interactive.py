@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult
     from fissura.results.load_path import LoadPath
 
-__all__ = ["MOST_LINES", "page_data"]
-
 MOST_LINES = 300
 """Curves of runs on a page, at most."""
 

@@ -14,8 +14,6 @@ from fissura.files.tables import read_json
 from fissura.files.text import read_bytes
 from fissura.results.summary import read_summary
 
-__all__ = ["FOLDERS", "Kept", "kept"]
-
 FOLDERS: dict[Kind, str] = {"companion": "companions", "run": "runs"}
 """Folder of the realisations of each kind."""
 

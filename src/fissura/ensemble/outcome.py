@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from fissura.results import Result
     from fissura.simulation.step import Step
 
-__all__ = ["CrackStart", "Outcome", "compute"]
-
 
 @dataclass(frozen=True)
 class Outcome:

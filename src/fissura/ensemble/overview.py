@@ -12,8 +12,6 @@ from fissura.text import quantities as text
 if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult
 
-__all__ = ["rows_of"]
-
 _RANDOM = {"geometry": "nuclei", "field": "field", "both": "nuclei and field"}
 
 #: Points of a study that are told one by one, at most.

@@ -15,8 +15,6 @@ from fissura.pictures.curves import BLUE, INK, LIGHT, ORANGE, headline, legend, 
 from fissura.text import quantities as text
 from fissura.text.units import scale_of
 
-__all__ = ["plot_convergence", "plot_papers", "plot_peaks"]
-
 WIDE = 7.2
 COLOURS = {"Gaussian": BLUE, "Weibull": ORANGE}
 

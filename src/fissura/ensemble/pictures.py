@@ -8,8 +8,6 @@ from fissura.ensemble.peak_pictures import plot_convergence, plot_papers, plot_p
 from fissura.ensemble.study_pictures import plot_study_curves, plot_study_peaks
 from fissura.pictures.registered import Picture
 
-__all__ = ["CONVERGENCE", "CRACK_STARTS", "CURVES", "CURVES_BY_VALUE", "PAPERS", "PEAKS", "PEAKS_BY_VALUE"]
-
 CURVES = Picture(
     plot_curves,
     "Load curves with mean and percentile band",

@@ -20,8 +20,6 @@ from fissura.ensemble.seeds import FIELD, NUCLEI, STRATA, seed_of, spawned
 from fissura.ensemble.task import Companions, Key, Kind, Mode, Sampling, Task
 from fissura.errors import InputError
 
-__all__ = ["LEADING_MODES", "MOST_RUNS", "Plan", "whole_number"]
-
 MOST_RUNS = 100_000
 """Largest number of realisations: each has a folder of its own, and the tables are in memory as a whole."""
 

@@ -16,8 +16,6 @@ from fissura.ensemble.task import Companions, Mode, Sampling
 from fissura.errors import InputError
 from fissura.material import field_from_case
 
-__all__ = ["planned"]
-
 
 def planned(
     case: Case,

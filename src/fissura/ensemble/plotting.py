@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from fissura.ensemble.result import EnsembleResult
 
-__all__ = ["plot_curves_of", "plot_rows"]
-
 _TABLE = "the table of runs"
 
 

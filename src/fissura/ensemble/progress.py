@@ -10,8 +10,6 @@ from fissura.ensemble.plan import Plan
 from fissura.progress.live import duration
 from fissura.text.quantities import force
 
-__all__ = ["EnsembleProgress", "OutcomeProgress"]
-
 
 class OutcomeProgress(ManyProgress):
     """Shows realisations as they end, whoever asked for them."""

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from fissura.ensemble.result import EnsembleResult
     from fissura.ensemble.task import Kind
 
-__all__ = ["write_report"]
-
 MOVING = ("curves", "curves_by_value")
 """Pictures that a page with curves that move need not show."""
 

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["EnsembleResult"]
-
 #: Runs that a notebook names one by one, at most.
 _TOLD = 10
 

@@ -28,8 +28,6 @@ from fissura.simulation.memory import require_memory
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["OnOutcome", "OnStart", "run_ensemble", "run_plan"]
-
 _log = logging.getLogger(__name__)
 
 OnStart = Callable[[Plan, int, int], None]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["FIELD", "NUCLEI", "RESAMPLING", "STRATA", "seed_of", "spawned"]
-
 NUCLEI, FIELD, STRATA, RESAMPLING = 0, 1, 2, 3
 """Purposes of random numbers, the second part of their spawn key."""
 

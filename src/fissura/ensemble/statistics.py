@@ -14,8 +14,6 @@ from fissura.ensemble.distributions import FAMILIES, Fit, fit
 from fissura.ensemble.seeds import RESAMPLING, spawned
 from fissura.ensemble.table import Table, select
 
-__all__ = ["QUANTITIES", "Statistics", "statistics"]
-
 QUANTITIES = {
     "peak_load_N": "peak load",
     "gauge_at_peak_m": "gauge at peak",

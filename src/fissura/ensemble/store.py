@@ -20,8 +20,6 @@ from fissura.results.summary import FORMAT_VERSION, write_summary
 if TYPE_CHECKING:
     from fissura.ensemble.outcome import Outcome
 
-__all__ = ["Store", "describe"]
-
 OWN = (
     "ensemble.json",
     "case.json",

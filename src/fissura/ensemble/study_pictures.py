@@ -20,8 +20,6 @@ from fissura.pictures.lettering import literal
 from fissura.results.names import load_name, value_axis
 from fissura.text.units import scale_of
 
-__all__ = ["curves_by_value", "plot_study_curves", "plot_study_peaks"]
-
 WIDE = 7.2
 
 #: Points, and lines, that a legend names one by one, at most; and varied keys with a panel of their own.

@@ -22,8 +22,6 @@ from fissura.errors import InputError
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["sweep"]
-
 
 class _Temporary:
     """A folder that is removed when nothing refers to this any more, at the end of the program at the latest."""

@@ -15,19 +15,6 @@ from numpy.typing import NDArray
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically
 
-__all__ = [
-    "COLUMNS",
-    "PAST_PEAK",
-    "Table",
-    "columns_of",
-    "read_table",
-    "select",
-    "table",
-    "varied_keys",
-    "write_csv",
-    "write_table",
-]
-
 Table = dict[str, NDArray[Any]]
 """Column name -> 1-D array, one entry per run; what is unknown is nan, -1 in a column of whole numbers, or ``""``."""
 

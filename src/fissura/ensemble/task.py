@@ -8,8 +8,6 @@ from typing import Literal
 from fissura.case import Case
 from fissura.case.points import Value
 
-__all__ = ["Companions", "Key", "Kind", "Mode", "Sampling", "Task"]
-
 Mode = Literal["geometry", "field", "both"]
 """What is random: the nuclei, the field of material, or both."""
 

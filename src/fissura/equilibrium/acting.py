@@ -13,8 +13,6 @@ from fissura.equilibrium.attach import attach_rows, owners_of
 from fissura.specimen import Conditions, Functional
 from fissura.tessellation import Tessellation
 
-__all__ = ["Acting"]
-
 
 @dataclass(frozen=True)
 class Acting:

@@ -11,8 +11,6 @@ from fissura.arrays import FloatArray, IntArray
 from fissura.specimen import Functional
 from fissura.tessellation import Bodies, Tessellation, owners
 
-__all__ = ["attach", "attach_rows", "owners_of"]
-
 
 def owners_of(functionals: Sequence[Functional], bodies: Bodies) -> IntArray:
     """Bodies that own the points of several functionals, one after the other; platens come after all bodies."""

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from fissura.equilibrium.response import Response
     from fissura.equilibrium.system import System
 
-__all__ = ["Constraint", "dissipating", "holding", "prescribed"]
-
 
 @dataclass(frozen=True)
 class Constraint:

@@ -16,8 +16,6 @@ from fissura.equilibrium.tangent import TangentSolver
 from fissura.linear.krylov import dot, norm
 from fissura.linear.protocol import SingularMatrixError
 
-__all__ = ["StepEquations", "Trial"]
-
 
 @dataclass(frozen=True)
 class Trial:

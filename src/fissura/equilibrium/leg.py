@@ -11,8 +11,6 @@ from fissura.arrays import FloatArray
 if TYPE_CHECKING:
     from fissura.equilibrium.settled import Equilibrium
 
-__all__ = ["Leg"]
-
 
 @dataclass(frozen=True)
 class Leg:

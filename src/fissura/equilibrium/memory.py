@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from fissura.arrays import FloatArray
 
-__all__ = ["SecantMemory", "SolverMemory"]
-
 
 @dataclass(frozen=True)
 class SecantMemory:

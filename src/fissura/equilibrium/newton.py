@@ -24,8 +24,6 @@ from fissura.equilibrium.system import System
 from fissura.equilibrium.tangent import TangentSolver
 from fissura.linear.protocol import SingularMatrixError
 
-__all__ = ["StepSolver"]
-
 _log = logging.getLogger(__name__)
 
 

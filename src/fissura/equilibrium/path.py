@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from fissura.equilibrium.settled import Equilibrium
     from fissura.equilibrium.system import System
 
-__all__ = ["Goal", "Leading", "PathFollower"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -11,8 +11,6 @@ from fissura.errors import InputError
 from fissura.specimen import Conditions
 from fissura.tessellation import Bodies
 
-__all__ = ["check_places"]
-
 
 def check_places(conditions: Conditions, bodies: Bodies, arm: float, *, start: bool) -> None:
     """Refuse what no calculation can mend: a gauge that measures nothing, a load that supports take over.

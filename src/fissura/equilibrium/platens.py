@@ -17,8 +17,6 @@ from fissura.errors import InputError
 from fissura.specimen import Platen
 from fissura.tessellation import Contacts, Tessellation, footprint
 
-__all__ = ["WithPlatens", "with_platens"]
-
 
 @dataclass(frozen=True)
 class WithPlatens:

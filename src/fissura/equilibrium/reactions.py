@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from fissura.equilibrium.response import Response
     from fissura.equilibrium.system import System
 
-__all__ = ["Reactions", "carrying", "reactions"]
-
 
 @dataclass(frozen=True)
 class Reactions:

@@ -13,8 +13,6 @@ from fissura.linear.krylov import dot
 if TYPE_CHECKING:
     from fissura.equilibrium.system import System
 
-__all__ = ["Response", "dissipation"]
-
 
 @dataclass(frozen=True)
 class Response:

@@ -10,8 +10,6 @@ from fissura.equilibrium.memory import SecantMemory
 from fissura.equilibrium.response import Response
 from fissura.linear.symmetric import SymmetricSolver
 
-__all__ = ["PreparedSecant", "secant_moduli"]
-
 
 def secant_moduli(moduli: FloatArray, damageable: IntArray, intact: FloatArray) -> FloatArray:
     """Moduli of all contacts (m, 3) [Pa] where `damageable` ones (k,) have shares (k, 3) of their elastic ones left."""

@@ -13,8 +13,6 @@ from fissura.equilibrium.system import System
 from fissura.linear.krylov import dot
 from fissura.linear.protocol import SingularMatrixError
 
-__all__ = ["Equilibrium", "UnmovedGaugeError", "reach_of", "settle"]
-
 
 class UnmovedGaugeError(SingularMatrixError):
     """The load does not move the controlled quantity."""

@@ -10,8 +10,6 @@ from dataclasses import dataclass, replace
 
 from fissura.equilibrium import limits
 
-__all__ = ["StepLength"]
-
 
 @dataclass(frozen=True)
 class StepLength:

@@ -14,8 +14,6 @@ from fissura.equilibrium.platens import WithPlatens
 from fissura.linear.low_rank import LowRank
 from fissura.tessellation import Tessellation
 
-__all__ = ["Supports", "spin_stiffness"]
-
 
 @dataclass(frozen=True)
 class Supports:

@@ -39,8 +39,6 @@ from fissura.tessellation import Tessellation
 if TYPE_CHECKING:
     from fissura.material.field import RandomField
 
-__all__ = ["System"]
-
 
 _NOWHERE = Regions()
 

@@ -20,8 +20,6 @@ from fissura.equilibrium.with_damage import changes
 from fissura.linear.krylov import dot, gmres, norm
 from fissura.linear.protocol import SingularMatrixError
 
-__all__ = ["TangentSolver"]
-
 
 class TangentSolver:
     """Solves for Newton corrections of displacements and load.

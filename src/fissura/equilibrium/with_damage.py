@@ -7,8 +7,6 @@ import numpy as np
 from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 
-__all__ = ["changes", "put_rows"]
-
 
 @njit()
 def _put_rows(values, rows, out):  # type: ignore[no-untyped-def]

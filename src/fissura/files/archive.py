@@ -16,8 +16,6 @@ from fissura.errors import InputError
 from fissura.files.atomic import replacing
 from fissura.files.text import check_file
 
-__all__ = ["level", "read_archive", "write_archive"]
-
 #: Largest archive that is read.
 _MOST_BYTES = 20_000_000_000
 

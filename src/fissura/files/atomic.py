@@ -11,8 +11,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-__all__ = ["force", "part_of", "plain", "replacing", "sync_folder", "write_atomically", "write_json"]
-
 #: What file systems say that cannot force anything to their disk, as some network ones.
 _CANNOT_SYNC = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS}
 

@@ -14,18 +14,6 @@ from typing import Literal
 from fissura.errors import InputError
 from fissura.files.atomic import part_of
 
-__all__ = [
-    "MARK",
-    "Folder",
-    "FolderKind",
-    "claimed",
-    "copied",
-    "copy_files",
-    "folder_name",
-    "kind_of",
-    "prepare_folder",
-]
-
 FolderKind = Literal["run", "ensemble", "study", "elastic", "calibration"]
 """What a folder of results is of."""
 

@@ -16,8 +16,6 @@ if os.name == "nt":
 else:
     import fcntl
 
-__all__ = ["locked", "taken_by_others", "try_lock"]
-
 #: Where Windows locks, whose locks keep others from reading: far beyond the end of the file.
 _BYTE = 1 << 30
 

@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["pack", "unpack"]
-
 
 def pack(value: Any, key: str, arrays: dict[str, NDArray[Any]]) -> Any:
     """Turn a value into what JSON can hold, its arrays apart.

@@ -12,8 +12,6 @@ from typing import Any
 from fissura.errors import InputError
 from fissura.files.text import MOST_BYTES, read_text
 
-__all__ = ["read_json", "read_toml"]
-
 _DEPTH, _TOO_DEEP = 20, "is nested too deeply"
 
 #: A key of more parts than tables may be deep. The parser's memory grows with the square of their number.

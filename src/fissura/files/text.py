@@ -8,8 +8,6 @@ from pathlib import Path
 
 from fissura.errors import InputError
 
-__all__ = ["MOST_BYTES", "check_file", "read_bytes", "read_text"]
-
 #: Largest file of tables that is read; those that people write have thousands of bytes.
 MOST_BYTES = 2_000_000
 

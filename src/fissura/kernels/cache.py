@@ -21,8 +21,6 @@ from fissura.kernels.claims import Claims
 from fissura.kernels.stamp import stamp
 from fissura.kernels.state import process
 
-__all__ = ["Cache"]
-
 compiler: Any = _compiler  # these have no types
 serialize: Any = _serialize
 

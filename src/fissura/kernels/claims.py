@@ -13,8 +13,6 @@ from pathlib import Path
 from fissura.files.lock import taken_by_others, try_lock
 from fissura.kernels import limits
 
-__all__ = ["Claims"]
-
 
 class Claims:
     """Claims of this process."""

@@ -12,9 +12,6 @@ from fissura.kernels import limits
 from fissura.kernels.place import PACKAGE
 from fissura.machine.threads import usable_processors
 
-__all__ = ["Helpers"]
-
-
 _CODE = "import sys; sys.path.insert(0, sys.argv[1]); from fissura.kernels.helping import help_out; help_out()"
 
 

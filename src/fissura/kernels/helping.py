@@ -10,8 +10,6 @@ import threading
 from fissura.kernels.known import dispatcher, known, signature
 from fissura.kernels.state import process
 
-__all__ = ["help_out"]
-
 
 def help_out() -> None:
     """Compile what every run needs and no other process has begun, longest first."""

@@ -17,8 +17,6 @@ from typing import Any, NamedTuple
 
 from numba.core import types as _types
 
-__all__ = ["Known", "dispatcher", "known", "missing_seconds", "pace", "signature", "types_in_words"]
-
 types: Any = _types  # has no types
 
 _FILE = Path(__file__).with_name("known.json")

@@ -14,8 +14,6 @@ from typing import Any
 from numba.core import config as _config
 from numba.misc.appdirs import AppDirs as _AppDirs
 
-__all__ = ["PACKAGE", "lasting", "temporary"]
-
 AppDirs: Any = _AppDirs  # these have no types
 config: Any = _config
 

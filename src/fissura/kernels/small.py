@@ -9,8 +9,6 @@ from typing import Any
 
 from fissura.kernels.stamp import referred
 
-__all__ = ["compiled_when_large", "interpreted"]
-
 
 def compiled_when_large(work: Callable[..., int], most: int) -> Callable[[Any], Any]:
     """Decorate a kernel that only Python calls, so that Python runs it until its work has added up.

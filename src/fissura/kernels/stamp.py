@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["referred", "stamp"]
-
 
 def stamp(function: FunctionType, options: dict[str, Any]) -> bytes:
     """Digest of options and sources of a function and of those that it calls, and of constants."""

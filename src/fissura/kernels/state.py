@@ -11,8 +11,6 @@ from fissura.kernels.helpers import Helpers
 from fissura.kernels.known import missing_seconds
 from fissura.kernels.place import lasting, temporary
 
-__all__ = ["State", "process"]
-
 _log = logging.getLogger("fissura.kernels")
 
 

@@ -22,8 +22,6 @@ try:
 except ImportError:
     pyamg = None
 
-__all__ = ["SmoothedAggregation", "rigid_motions"]
-
 
 def rigid_motions(x: FloatArray) -> FloatArray:
     """Translations and rotations of all bodies as one, about their centre; (n, 3) -> (6 n, 6)."""

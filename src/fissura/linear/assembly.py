@@ -14,8 +14,6 @@ from fissura.contact import Kinematics
 from fissura.kernels import INNER, njit
 from fissura.linear.low_rank import LowRank
 
-__all__ = ["Pattern", "add_spin", "assemble", "assemble_secant", "pattern"]
-
 
 @dataclass(frozen=True)
 class Pattern:

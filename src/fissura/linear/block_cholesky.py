@@ -13,8 +13,6 @@ from fissura.linear.limits import AHEAD, FAST
 from fissura.linear.products import prefetch, times, transposed_times
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
-__all__ = ["IncompleteCholesky"]
-
 
 @njit(**INNER, fastmath=FAST)
 def _subtract_product(target, a, b):  # type: ignore[no-untyped-def]

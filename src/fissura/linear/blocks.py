@@ -18,16 +18,6 @@ from fissura.linear.plain import column
 from fissura.linear.products import prefetch, prefetch_item
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
-__all__ = [
-    "LowerBlocks",
-    "bandwidth_order",
-    "constant_part",
-    "held_bodies",
-    "lower_blocks",
-    "multiply",
-    "term_sizes",
-]
-
 
 @dataclass(frozen=True)
 class LowerBlocks:

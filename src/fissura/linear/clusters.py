@@ -14,8 +14,6 @@ from fissura.kernels import INNER, njit
 from fissura.linear import limits
 from fissura.linear.blocks import LowerBlocks
 
-__all__ = ["bisected", "body_weights", "connected", "intact", "link_stiffness"]
-
 AnyIntArray = NDArray[np.integer[Any]]
 
 

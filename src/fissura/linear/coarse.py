@@ -12,8 +12,6 @@ from fissura.linear.low_rank import LowRank
 from fissura.linear.motions import prolong, restrict, restrict_product
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
-__all__ = ["CoarseSpace"]
-
 
 @njit(inline="always")
 def _expand(block, arm, unit, out):  # type: ignore[no-untyped-def]

@@ -15,8 +15,6 @@ try:  # its wheels exist for x86 only
 except ImportError:
     pymklpardiso = None
 
-__all__ = ["CoarseSolver"]
-
 
 class CoarseSolver:
     """Direct solver for coarse matrices; what depends on their pattern alone is kept while it stays the same."""

@@ -21,8 +21,6 @@ try:  # its wheels exist for x86 only
 except ImportError:
     pymklpardiso = None
 
-__all__ = ["SOLVERS", "MklPardiso", "SuperLU", "best_solver"]
-
 
 class _Direct(ABC):
     """What direct solvers have in common."""

@@ -15,8 +15,6 @@ from fissura.linear import limits
 from fissura.linear.assembly import Pattern
 from fissura.linear.blocks import bandwidth_order
 
-__all__ = ["dissected_order"]
-
 
 @njit()
 def _between(start, neighbours, domain, out):  # type: ignore[no-untyped-def]

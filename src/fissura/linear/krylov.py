@@ -16,8 +16,6 @@ from fissura.linear import limits
 from fissura.linear.limits import ANY_ORDER
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
-__all__ = ["Minimized", "dot", "gmres", "norm"]
-
 
 @njit(nogil=True, fastmath=ANY_ORDER)
 def _dot(begin, end, a, b):  # type: ignore[no-untyped-def]

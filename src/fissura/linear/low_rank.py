@@ -10,8 +10,6 @@ from scipy.sparse import csr_array
 from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 
-__all__ = ["LowRank"]
-
 
 # Compiled, since threads of numpy's library would cost more than they save.
 @njit()

@@ -14,8 +14,6 @@ from fissura.linear.assembly import Pattern
 from fissura.linear.blocks import LowerBlocks, constant_part, held_bodies
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
-__all__ = ["assemble_lower"]
-
 
 @njit(inline="always")
 def _add_product(w0, w1, w2, rows, here, there, out):  # type: ignore[no-untyped-def]

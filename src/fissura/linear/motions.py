@@ -8,8 +8,6 @@ from fissura.kernels import njit
 from fissura.linear.limits import AHEAD, ANY_ORDER
 from fissura.linear.products import prefetch, transposed_times
 
-__all__ = ["prolong", "restrict", "restrict_product"]
-
 
 @njit(nogil=True)
 def restrict(begin, end, clusters, label, arm, unit, r):  # type: ignore[no-untyped-def]

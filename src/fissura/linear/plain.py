@@ -5,8 +5,6 @@ from __future__ import annotations
 from fissura.kernels import njit
 from fissura.linear.limits import FAST
 
-__all__ = ["column", "prefetch", "prefetch_item", "times", "transposed_times"]
-
 
 @njit(fastmath=FAST, inline="always")
 def column(blocks, k, d, x):  # type: ignore[no-untyped-def]

@@ -13,8 +13,6 @@ from llvmlite import ir
 
 from fissura.linear import plain, simd
 
-__all__ = ["prefetch", "prefetch_item", "times", "transposed_times"]
-
 _used: Any = simd if os.environ.get("FISSURA_SIMD") != "0" and hasattr(ir.Type, "as_pointer") else plain
 prefetch, prefetch_item = _used.prefetch, _used.prefetch_item
 times, transposed_times = _used.times, _used.transposed_times

@@ -6,8 +6,6 @@ from typing import Protocol
 
 from fissura.arrays import FloatArray
 
-__all__ = ["LinearSolver", "SingularMatrixError"]
-
 
 class SingularMatrixError(Exception):
     """The matrix cannot be factorized, or its equations cannot be solved."""

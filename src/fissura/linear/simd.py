@@ -13,8 +13,6 @@ from numba import types
 from numba.core import cgutils as _cgutils
 from numba.extending import intrinsic
 
-__all__ = ["prefetch", "prefetch_item", "times", "transposed_times"]
-
 _DOUBLE = ir.DoubleType()
 _SIX = ir.VectorType(_DOUBLE, 6)
 _FLAGS = ("reassoc", "contract", "nsz")

@@ -15,8 +15,6 @@ from fissura.linear.protocol import LinearSolver, SingularMatrixError
 from fissura.linear.two_level import TwoLevel
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
-__all__ = ["SymmetricSolver", "aggregation", "direct"]
-
 _log = logging.getLogger(__name__)
 
 

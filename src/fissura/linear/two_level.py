@@ -35,8 +35,6 @@ from fissura.linear.protocol import SingularMatrixError
 from fissura.linear.vectors import advance, dot, turn
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 
-__all__ = ["TwoLevel"]
-
 
 class TwoLevel:
     """Iterative solver with the interface of the direct ones, for symmetric positive definite matrices only.

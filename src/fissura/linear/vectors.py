@@ -5,8 +5,6 @@ from __future__ import annotations
 from fissura.kernels import njit
 from fissura.linear.limits import ANY_ORDER
 
-__all__ = ["advance", "dot", "turn"]
-
 
 @njit(nogil=True, fastmath=ANY_ORDER)
 def dot(begin, end, a, b):  # type: ignore[no-untyped-def]

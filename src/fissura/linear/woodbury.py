@@ -10,8 +10,6 @@ from scipy.linalg import lu_factor, lu_solve, qr
 from fissura.arrays import FloatArray, IntArray
 from fissura.linear.assembly import Pattern
 
-__all__ = ["LowRankCorrection"]
-
 Solve = Callable[[FloatArray], FloatArray]
 
 

@@ -8,8 +8,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["interruptible", "shielded"]
-
 #: Signals by which people and batch systems end a program.
 _ENDING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 

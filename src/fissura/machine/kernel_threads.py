@@ -15,8 +15,6 @@ from fissura.case.units import show
 from fissura.errors import InputError
 from fissura.machine.threads import VARIABLE, usable_processors
 
-__all__ = ["SINGLE_THREAD", "KernelThreads"]
-
 #: Large structures fall into so many domains, and more threads would wait for memory.
 _MOST = 4
 

@@ -10,8 +10,6 @@ import psutil
 
 from fissura.errors import InputError
 
-__all__ = ["gigabytes", "physical_memory", "within_memory"]
-
 
 def physical_memory() -> float:
     """Memory [bytes] that a process may use: of the machine, or of the container it runs in if less."""

@@ -11,8 +11,6 @@ from fissura.case.units import show
 from fissura.errors import InputError
 from fissura.text.quantities import counted
 
-__all__ = ["LIMITS", "VARIABLE", "side_by_side", "threads_each", "usable_processors"]
-
 #: Environment variable that says how many threads to use where a case does not, for programs that start many runs.
 VARIABLE = "FISSURA_THREADS"
 

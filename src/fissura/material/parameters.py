@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.case import Material as Part
 
-__all__ = ["Material", "material_from_case", "material_from_part"]
-
 
 @dataclass(frozen=True)
 class Material:

@@ -15,8 +15,6 @@ from fissura.specimen import domain_from_case
 if TYPE_CHECKING:
     from fissura.case import BallRegion, BoxRegion, Case
 
-__all__ = ["Regions", "check_not_everywhere", "elastic_from_case"]
-
 
 _KEY = "material.elastic"
 

@@ -15,8 +15,6 @@ from fissura.material.regions import Regions, check_overlap
 if TYPE_CHECKING:
     from fissura.case import Case
 
-__all__ = ["Materials", "joined", "materials_from_case"]
-
 
 def joined(a: Material, b: Material) -> Material:
     """Material of a contact between bodies of two materials.

@@ -29,8 +29,6 @@ from fissura.text import quantities as text
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["MOST_FRAMES", "animate", "chosen"]
-
 MOST_FRAMES = 100
 """A run of more steps is shown at this many of them."""
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from fissura.results.history import Frame
     from fissura.results.run_data import RunData
 
-__all__ = ["bodies_axes"]
-
 WIDE, TALL = 9.0, 6.0
 """Width and most height of a new figure [inch]."""
 

@@ -18,8 +18,6 @@ from fissura.pictures.moments import bodies_figure
 if TYPE_CHECKING:
     from fissura.results.comparison import Comparison
 
-__all__ = ["save_bodies", "saved"]
-
 HEADS = ("a", "b", "difference")
 """Of the columns of numbers."""
 

@@ -27,8 +27,6 @@ from fissura.text import quantities as text
 if TYPE_CHECKING:
     from fissura.simulation.step import Snapshot
 
-__all__ = ["crack_axes", "plot_crack"]
-
 SHOWN = 0.02
 """Openings below this part of the largest one are not drawn."""
 

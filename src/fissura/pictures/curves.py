@@ -23,20 +23,6 @@ from fissura.text.units import scale_of
 if TYPE_CHECKING:
     from fissura.results.comparison import Comparison
 
-__all__ = [
-    "bare",
-    "comparison_figure",
-    "curve_figure",
-    "fill_measured",
-    "headline",
-    "legend",
-    "mark_point",
-    "mark_refinements",
-    "note_above",
-    "plot_curve",
-    "tidy",
-]
-
 BLUE, LIGHT, ORANGE, GREY, INK = "#1f4e79", "#8fb8dc", "#d1641b", "#c9ccd1", "#30343b"
 DPI = 160
 

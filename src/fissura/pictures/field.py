@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from fissura.specimen import Domain
     from fissura.tessellation import Tessellation
 
-__all__ = ["draw_marginal", "draw_slice", "plot_field"]
-
 COLOURS = LinearSegmentedColormap.from_list(
     "strength", ["#5c1124", "#b8402f", "#eba77c", "#f6f3ee", "#9dbfd8", "#3f78ab", "#153a63"]
 )

@@ -11,8 +11,6 @@ from fissura.arrays import FloatArray, IntArray
 if TYPE_CHECKING:
     from fissura.tessellation.tessellation import Polygons, SurfaceFacets
 
-__all__ = ["projected", "rims", "seen"]
-
 _FACING = 0.1
 """Facets whose normal has at least this part against the line of sight are seen."""
 

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-__all__ = ["grid_of"]
-
 
 def grid_of(
     count: int, widths: Sequence[float], height: float, *, more: float = 0.0, sharey: bool = False

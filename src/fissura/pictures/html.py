@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from fissura.results.comparison import Comparison
     from fissura.results.result import Result
 
-__all__ = ["comparison_html", "embedded", "notebook_html", "result_html"]
-
 RESOLUTION = 90
 """Points per inch of the picture."""
 

@@ -17,8 +17,6 @@ from matplotlib.text import Text
 
 from fissura.files.atomic import write_atomically
 
-__all__ = ["fit", "legend_below", "literal", "may_shrink", "rendered", "save"]
-
 SMALLEST = 7.0
 """Letters of a line that does not fit shrink to this size [points]; then its middle is left out."""
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from fissura.results.run_data import RunData
 
-__all__ = ["meshes_of", "step_of", "steps_with_states"]
-
 
 def steps_with_states(result: RunData) -> list[int]:
     """Numbers of the steps whose states there are, in memory or as files for ParaView; ascending."""

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from fissura.results.comparison import Comparison
 
-__all__ = ["Moment", "bodies_figure", "moments", "plot_moments"]
-
 WIDE = 10.0
 """Width of the pictures [inch]."""
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from fissura.results.result import Result
 
-__all__ = ["bar_beside", "draw_curve", "draw_scales", "kinds_above", "plain_bar"]
-
 
 def draw_curve(axes: Axes, result: Result) -> tuple[float, float]:
     """Draw load over what is controlled in the units of the other pictures, with ticks at refinements.

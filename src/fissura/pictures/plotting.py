@@ -20,13 +20,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.results.run_data import RunData
 
-__all__ = [
-    "column_title",
-    "new_axes",
-    "plot_columns",
-    "scaled_axis",
-]
-
 
 def plot_columns(result: RunData, x: str | None, y: str, ax: Axes | None, line: dict[str, Any]) -> Axes:
     """Draw a column over another; see `Result.plot`."""

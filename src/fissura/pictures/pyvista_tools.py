@@ -22,19 +22,6 @@ from fissura.files.atomic import replacing
 from fissura.pictures.curves import INK
 from fissura.pictures.lettering import literal
 
-__all__ = [
-    "can_open_windows",
-    "can_render",
-    "check_picture",
-    "legend",
-    "plotter",
-    "polygon_mesh",
-    "pyvista",
-    "screenshot",
-    "shown",
-    "toggled",
-]
-
 WINDOW = (1100, 800)
 """Size of a view [pixels]."""
 

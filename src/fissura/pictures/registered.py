@@ -13,8 +13,6 @@ from fissura.pictures.attempted import attempted
 from fissura.pictures.curves import DPI
 from fissura.pictures.lettering import rendered
 
-__all__ = ["Picture", "drawn"]
-
 
 @dataclass(frozen=True)
 class Picture:

@@ -20,8 +20,6 @@ from fissura.text import quantities as text
 if TYPE_CHECKING:
     from fissura.results.run_data import RunData
 
-__all__ = ["result_view", "skin_of"]
-
 SEE_THROUGH = 0.3
 """Opacity of the skin."""
 

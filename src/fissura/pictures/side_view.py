@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.results.history import Frame
 
-__all__ = ["COARSE", "FINE", "HEAT", "TENSION", "Look", "SideView", "look_of", "magnification"]
-
 FINE, COARSE, EDGE = "#a9c6e3", "#f1ede3", "#7f8b99"
 HEAT = LinearSegmentedColormap.from_list("opening", ["#f9c74f", "#f3892c", "#d6401f", "#96152f", "#4a0524", "#1c0210"])
 TENSION = LinearSegmentedColormap.from_list("stress", ["#f7f5ef", "#d3e2ef", "#8db7da", "#3f7fb5", "#17456f"])

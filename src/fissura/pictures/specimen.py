@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
     from fissura.tessellation import SurfaceFacets
 
-__all__ = ["Sight", "plot_specimen"]
-
 NOTCH = "#f2c14e"
 """Colour of walls of notches."""
 

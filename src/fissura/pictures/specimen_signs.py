@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from fissura.case.platen import Platen
     from fissura.tessellation import SurfaceFacets
 
-__all__ = ["GaugeSign", "LoadSign", "Plate", "Signs", "Spots", "SupportSign", "named_facets", "signs_of"]
-
 SUPPORT = "#4b5563"
 LOADS = ("#b42318", "#d97706", "#a21caf", "#7c2d12", "#db2777", "#854d0e")
 GAUGES = ("#1d4ed8", "#0e7490", "#6d28d9", "#15803d", "#4338ca", "#0f766e")

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
     from fissura.tessellation import SurfaceFacets
 
-__all__ = ["specimen_view"]
-
 Entries = list[tuple[str, str]]
 
 MM = 1e3

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from fissura.case import Case
 
-__all__ = ["Symbol", "Symbols", "symbols"]
-
 SUPPORT, LOAD = "#6b7280", "#30343b"
 
 SIZE = 0.085

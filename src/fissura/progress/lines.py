@@ -10,8 +10,6 @@ from typing import Any, Protocol
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn
 
-__all__ = ["Line", "NotebookLine", "line_on"]
-
 EVERY = 0.2
 """Seconds between two changes in a notebook, which keeps every one of them until it is shown."""
 
@@ -58,14 +56,17 @@ class TerminalLine:
         )
 
     def begin(self, text: str, *, done: float = 0.0, total: float = 1.0) -> None:
+        """Show the line."""
         self._task = self._bar.add_task(text, total=total)
         self._bar.update(self._task, completed=done)
         self._bar.start()
 
     def change(self, text: str, done: float | None = None) -> None:
+        """Show another text, and another share of what is done."""
         self._bar.update(self._task, description=text, completed=done)
 
     def end(self) -> None:
+        """Remove the line."""
         self._bar.stop()
 
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
     from fissura.simulation.step import Step
 
-__all__ = ["EVERY_SECONDS", "Live", "RunProgress", "duration"]
-
 EVERY_SECONDS = 5.0
 EVERY_FRACTION = 0.05
 

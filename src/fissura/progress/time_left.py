@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from bisect import bisect_right
 
-__all__ = ["TimeLeft"]
-
 _WINDOWS = (1.0, 0.6, 0.3, 0.15)
 """Latest parts of the time so far, over each of which the pace is taken."""
 

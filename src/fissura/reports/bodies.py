@@ -19,8 +19,6 @@ from fissura.reports.packed import packed_size, quantised
 if TYPE_CHECKING:
     from fissura.results.result import Result
 
-__all__ = ["MOST_BYTES", "chosen", "shown_steps", "states_of"]
-
 MOST_BYTES = 9_000_000
 """Letters that bodies and cracks of all steps may take in a page; libraries and curves come on top."""
 

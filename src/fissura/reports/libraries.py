@@ -11,8 +11,6 @@ from importlib.util import find_spec
 from fissura.errors import InputError
 from fissura.reports.packed import compressed
 
-__all__ = ["Library", "have_libraries", "k3d", "plotly", "require_libraries"]
-
 PACKAGES = ("jinja2", "plotly", "k3d", "pyvista")
 """What the extra ``report`` installs, by the names of modules."""
 

@@ -10,8 +10,6 @@ from fissura.text import quantities as text
 if TYPE_CHECKING:
     from fissura.results.result import Result
 
-__all__ = ["bibtex", "bound_told", "cited", "origin_rows", "seed_told", "status_told"]
-
 NOT_RECORDED = "not recorded"
 
 _CUSATIS = (

@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["compressed", "packed", "packed_size", "quantised"]
-
 TYPES = {"<f4": "Float32Array", "<f8": "Float64Array", "<u1": "Uint8Array", "|u1": "Uint8Array"} | {
     "<u2": "Uint16Array",
     "<i2": "Int16Array",

@@ -13,8 +13,6 @@ from fissura.reports.libraries import k3d, plotly, require_libraries
 from fissura.reports.packed import packed
 from fissura.results.provenance import versions
 
-__all__ = ["MOST_BYTES", "rendered", "write_page"]
-
 MOST_BYTES = 15_000_000
 """No page is larger."""
 

@@ -29,8 +29,6 @@ from fissura.text.units import scale_of, split_unit
 if TYPE_CHECKING:
     from fissura.results.result import Result
 
-__all__ = ["run_page"]
-
 
 def run_page(result: Result) -> str:
     """Make the page of a run.

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.specimen import Domain
 
-__all__ = ["Marks", "scene_of"]
-
 Marks = tuple[str, FloatArray, FloatArray, str]
 """Points with values: what they are, where (k, 3) [m], their values (k,), and what values are called, with the unit."""
 

@@ -12,8 +12,6 @@ from fissura.results.load_path import NAMES
 if TYPE_CHECKING:
     from fissura.case import Case, Gauge, Quantity
 
-__all__ = ["common_quantity", "comparison_notices"]
-
 SPECIMEN = (
     "specimen",
     "minus",

@@ -16,8 +16,6 @@ from fissura.results.curve import peak_position
 from fissura.results.load_path import LoadPath
 from fissura.results.result import Result
 
-__all__ = ["Comparison", "compare", "compare_results"]
-
 logger = logging.getLogger(__name__)
 
 

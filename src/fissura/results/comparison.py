@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from fissura.errors import Notice
     from fissura.results.result import Result
 
-__all__ = ["ENERGY", "Comparison", "difference"]
-
 ENERGY = "dissipated energy"
 
 

@@ -20,19 +20,6 @@ if TYPE_CHECKING:
     from fissura.case import Case, Quantity
     from fissura.simulation.step import Step
 
-__all__ = [
-    "COLUMNS",
-    "COLUMN_OF",
-    "Curve",
-    "GrowingCurve",
-    "Row",
-    "case_columns",
-    "columns",
-    "peak_position",
-    "read_curve",
-    "row",
-]
-
 #: Largest curve that is read: a million steps have some 300 MB.
 _MOST_BYTES = 500_000_000
 

@@ -12,8 +12,6 @@ from pathlib import Path
 from fissura.files.atomic import force, write_atomically
 from fissura.results.curve import COLUMNS, COUNTS, Curve
 
-__all__ = ["CurveWriter"]
-
 
 class CurveWriter:
     """Writes ``curve.csv`` row by row, so that a run that is killed keeps its curve.

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from fissura.errors import InputError
 
-__all__ = ["frame"]
-
 
 def frame(columns: Mapping[str, NDArray[Any]], index: str) -> Any:
     """Columns as a ``pandas.DataFrame``.

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from fissura.case import Case
 
-__all__ = ["Done"]
-
 
 class Done:
     """Share of a run that is done: the largest so far of two, for a run ends by either.

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from fissura.simulation.step import Snapshot, Step
     from fissura.tessellation import Tessellation
 
-__all__ = ["FILE", "Frame", "HistoryWriter", "read_history"]
-
 FILE = "section.npz"
 FORMAT = "fissura-section"
 FORMAT_VERSION = 1

@@ -14,8 +14,6 @@ from fissura.results.curve import COLUMN_OF, Curve
 if TYPE_CHECKING:
     from fissura.case import Quantity
 
-__all__ = ["NAMES", "ROUND_OFF", "LoadPath"]
-
 NAMES: dict[Quantity, str] = {"gauge": "gauge", "displacement": "displacement of the load"}
 """What loads may be drawn and compared over, in words."""
 

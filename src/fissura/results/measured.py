@@ -26,8 +26,6 @@ from fissura.results.measured_columns import (
 )
 from fissura.text.quantities import counted
 
-__all__ = ["MeasuredBand", "read_measured"]
-
 KEY = "output.measured"
 ALLOWED = "a CSV file of cmod_mm,min_N,max_N, or of two or three columns with units in the header"
 

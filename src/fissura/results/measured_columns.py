@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from fissura.case.units import FORCE, LENGTH, show, to_si
 from fissura.errors import InputError
 
-__all__ = ["PLAIN", "Column", "chosen", "columns_named", "columns_of_units", "is_number", "unit_of"]
-
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 #: A unit at the end of a name: "CMOD [mm]", "load (kN)", "load / kN", "load in kN", "cmod_mm".

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from fissura.case import Case, Quantity
     from fissura.simulation.step import Step
 
-__all__ = ["column_among", "column_named", "driven_in", "load_name", "value_axis"]
-
 #: Names that are told one by one, at most.
 _TOLD = 3
 

@@ -17,8 +17,6 @@ from fissura.text.quantities import force, length
 if TYPE_CHECKING:
     from fissura.case import Case
 
-__all__ = ["curve_notices", "negative_before_peak", "refined_late", "torn_at_places"]
-
 NO_LOAD = 1e-6
 """Share of the largest load below which a load is none."""
 

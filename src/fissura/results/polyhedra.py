@@ -10,8 +10,6 @@ from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.tessellation.tessellation import Polygons, Tessellation
 
-__all__ = ["Polyhedra", "polygon_normals", "polyhedra"]
-
 MERGE = 1e-6
 """Corners of one body closer than this part of its size (cube root of the volume) are one point."""
 

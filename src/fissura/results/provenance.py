@@ -13,8 +13,6 @@ from typing import Any
 
 import psutil
 
-__all__ = ["commit", "machine", "now", "versions"]
-
 
 @cache
 def versions() -> dict[str, str]:

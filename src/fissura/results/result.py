@@ -14,8 +14,6 @@ from fissura.results.summary import curve_numbers, read_summary, result_folder
 from fissura.results.views import Views
 from fissura.text.quantities import counted
 
-__all__ = ["Result"]
-
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Result(Views):

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from fissura.case import Case, Quantity
     from fissura.simulation.step import Snapshot
 
-__all__ = ["RunData"]
-
 
 @dataclass(frozen=True, repr=False, eq=False)
 class RunData(Described):

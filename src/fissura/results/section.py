@@ -14,8 +14,6 @@ from fissura.kernels import njit
 if TYPE_CHECKING:
     from fissura.tessellation.tessellation import Polygons, Tessellation
 
-__all__ = ["Outlines", "Rows", "Section", "cut", "outlines"]
-
 FloatArray32 = NDArray[np.float32]
 OUTSIDE, ON_LEDGE = -1, -2
 """What stands for a body where there is none; see `Section`."""

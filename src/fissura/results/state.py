@@ -12,8 +12,6 @@ from fissura.files.archive import read_archive, write_archive
 from fissura.simulation.step import Moment, Snapshot, Step
 from fissura.tessellation.tessellation import Contacts, Polygons, SurfaceFacets, Tessellation
 
-__all__ = ["FORMAT", "FORMAT_VERSION", "LAST", "read_state", "read_states", "state_file", "write_state"]
-
 LAST = "state_last.npz"
 """Name of the file of the last state."""
 

@@ -21,16 +21,6 @@ from fissura.results.provenance import commit, machine, now, versions
 if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
 
-__all__ = [
-    "FORMAT_VERSION",
-    "build_summary",
-    "curve_numbers",
-    "peak_memory",
-    "read_summary",
-    "result_folder",
-    "write_summary",
-]
-
 #: Largest summary that is read.
 _MOST_BYTES = 50_000_000
 

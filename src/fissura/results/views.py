@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-__all__ = ["Views"]
-
-
 class Views(RunData):
     """What can be made of the results of a run; see `Result`."""
 

@@ -19,8 +19,6 @@ from fissura.results.vtu import POLYGON, POLYHEDRON, Grid, write_vtu
 if TYPE_CHECKING:
     from fissura.simulation.step import Snapshot
 
-__all__ = ["SERIES", "bodies_grid", "contacts_grid", "file_name", "write_series", "write_snapshot"]
-
 SERIES = ("bodies", "contacts")
 """Names of the series of files."""
 

@@ -17,8 +17,6 @@ from fissura.arrays import FloatArray, IntArray
 from fissura.files.archive import level
 from fissura.files.atomic import replacing
 
-__all__ = ["POLYGON", "POLYHEDRON", "Grid", "write_vtu"]
-
 POLYGON, POLYHEDRON = 7, 42
 """VTK's numbers of the two types of cells."""
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from fissura.results.run_data import RunData
     from fissura.simulation.step import Snapshot
 
-__all__ = ["Fields", "dataset_of"]
-
 Fields = Literal["curve", "bodies", "contacts"]
 """What there are datasets of."""
 

@@ -17,8 +17,6 @@ from fissura.files.packing import pack, unpack
 from fissura.results.curve import Curve
 from fissura.simulation.saved import TYPES, SavedState
 
-__all__ = ["FILE", "Checkpoint", "checkpoint_in", "read_checkpoint", "write_checkpoint"]
-
 FILE = "checkpoint.npz"
 FORMAT = "fissura-checkpoint"
 FORMAT_VERSION = 1

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.simulation.step import Moment
 
-__all__ = ["ChosenStates"]
-
 
 class ChosenStates:
     """Decides which states are due, and writes them.

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from fissura.simulation.state import State
     from fissura.simulation.step import Moment, Snapshot, Step
 
-__all__ = ["Recorder"]
-
 logger = logging.getLogger(__name__)
 
 EVERY = 1.0

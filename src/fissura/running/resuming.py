@@ -18,8 +18,6 @@ from fissura.simulation.step import Moment, Snapshot
 if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
 
-__all__ = ["Begun", "begun"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from fissura.simulation.state import State
     from fissura.simulation.step import Step
 
-__all__ = ["run"]
-
 logger = logging.getLogger(__name__)
 
 

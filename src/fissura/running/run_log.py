@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.simulation.step import Step
 
-__all__ = ["FILE", "RunLog"]
-
 FILE = "run.log"
 """Its name."""
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
     from fissura.simulation.state import State
 
-__all__ = ["CheckpointWriter"]
-
 #: Checkpoints take at most this share of the time.
 _SHARE = 0.01
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from fissura.material.field import RandomField
     from fissura.results.result import Result
 
-__all__ = ["draw_pictures", "stored", "write_case"]
-
 Own = Callable[..., Path]
 """Takes names of files that are about to be written, and gives the path of the first one."""
 

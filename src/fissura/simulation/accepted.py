@@ -13,8 +13,6 @@ from fissura.simulation.model import Model
 from fissura.simulation.state import Before, Effort, State, Totals
 from fissura.simulation.step import Step
 
-__all__ = ["accepted"]
-
 
 def accepted(model: Model, state: State, goal: Goal, found: Found) -> tuple[State, Step]:
     """State and step after an accepted one.

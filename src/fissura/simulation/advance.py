@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from fissura.simulation.model import Model
     from fissura.simulation.step import Step
 
-__all__ = ["advance"]
-
 _log = logging.getLogger(__name__)
 
 

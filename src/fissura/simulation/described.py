@@ -22,8 +22,6 @@ from fissura.specimen import (
 if TYPE_CHECKING:
     from fissura.errors import Notice
 
-__all__ = ["Described", "described"]
-
 
 @dataclass(frozen=True)
 class Described:

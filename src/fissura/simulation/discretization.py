@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 
     from fissura.case import Case
 
-__all__ = ["Discretization"]
-
 
 def _count(bodies: int) -> str:
     return "1 body" if bodies == 1 else f"{bodies} bodies"

@@ -12,8 +12,6 @@ from fissura.simulation.legs import peak_so_far
 from fissura.simulation.model import Model
 from fissura.simulation.state import State
 
-__all__ = ["check_drives", "entered", "extended"]
-
 
 def entered(model: Model, state: State, leg: Leg) -> State:
     """The state where a leg begins.

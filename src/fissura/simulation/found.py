@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from fissura.adaptivity import ElasticState
     from fissura.equilibrium import Equilibrium, System
 
-__all__ = ["Found", "snapshot_of"]
-
 
 @dataclass(frozen=True)
 class Found:

@@ -14,8 +14,6 @@ from fissura.simulation import limits
 if TYPE_CHECKING:
     from fissura.simulation.state import State
 
-__all__ = ["guessed"]
-
 
 def guessed(system: System, state: State, goal: Goal) -> tuple[FloatArray, float]:
     """Displacements (6 n,) and load [N] with which the iteration begins: extrapolated from the last two states."""

@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from fissura.errors import Notice
 from fissura.simulation import limits
 
-__all__ = ["Jumps"]
-
 
 @dataclass(frozen=True)
 class Jumps:

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.simulation.state import State
 
-__all__ = ["Planned", "ahead", "peak_so_far", "planned_legs"]
-
 
 @dataclass(frozen=True)
 class Planned:

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from fissura.specimen import Domain
     from fissura.tessellation import Tessellation
 
-__all__ = ["Simulation"]
-
 
 class Simulation:
     """One specimen, broken step by step.

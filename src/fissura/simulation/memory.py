@@ -10,13 +10,6 @@ from fissura.simulation import limits
 from fissura.specimen import domain_from_case
 from fissura.specimen.notches import SURFACE
 
-__all__ = [
-    "estimate_bodies",
-    "estimate_elastic_memory",
-    "estimate_memory",
-    "require_memory",
-]
-
 
 def estimate_bodies(case: Case) -> float:
     """Estimate how many bodies full resolution has.

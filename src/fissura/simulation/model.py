@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from fissura.simulation.state import State
     from fissura.simulation.step import Snapshot
 
-__all__ = ["Model"]
-
 
 class Model:
     """A specimen with its equations and solvers.

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from fissura.simulation.state import State
     from fissura.simulation.step import Step
 
-__all__ = ["Observer", "watched"]
-
 Observer = Callable[["State", "Step"], None]
 """Takes the state after each accepted step, and the step."""
 

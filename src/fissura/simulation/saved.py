@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from fissura.contact import AppliedLaw
     from fissura.simulation.model import Model
 
-__all__ = ["TYPES", "Noted", "Rows", "SavedResponse", "SavedState", "restored"]
-
 
 @dataclass(frozen=True)
 class Rows:

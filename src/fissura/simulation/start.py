@@ -19,8 +19,6 @@ from fissura.specimen import backward_gauge
 if TYPE_CHECKING:
     from fissura.case import Case
 
-__all__ = ["started"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -10,8 +10,6 @@ from fissura.equilibrium import Equilibrium, Leading, Leg, SolverMemory
 from fissura.errors import Notice
 from fissura.simulation.jumps import Jumps
 
-__all__ = ["Before", "Effort", "Start", "State", "Totals"]
-
 
 @dataclass(frozen=True)
 class Start:

@@ -14,8 +14,6 @@ from fissura.tessellation import Tessellation
 if TYPE_CHECKING:
     from fissura.case import Quantity
 
-__all__ = ["Moment", "Snapshot", "Step"]
-
 
 @dataclass(frozen=True)
 class Snapshot:

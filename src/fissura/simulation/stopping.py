@@ -12,8 +12,6 @@ import numpy as np
 from fissura.errors import InputError, RunStopped
 from fissura.linear import SingularMatrixError
 
-__all__ = ["FAILURES", "reason", "stopping"]
-
 #: What calculations of a discretization may end in without a fault of the program: a structure that does not hold
 #: together, lengths that the law does not allow, numbers out of range, no memory.
 FAILURES: tuple[type[Exception], ...] = (

@@ -15,8 +15,6 @@ from fissura.specimen.planar import Flat, Lines, Piece
 from fissura.specimen.planes import Face
 from fissura.specimen.solid import Solid
 
-__all__ = ["UNNAMED", "Part", "complex_of", "parts_of"]
-
 #: Surface of whatever has no name.
 UNNAMED = "surface"
 

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from fissura.case import Notch as NotchPart
     from fissura.case.shape import Specimen, Void
 
-__all__ = ["box_of", "cylinder_of", "domain_from_case", "mesh_of", "outline_of"]
-
 
 def box_of(part: Specimen, l_f: float) -> Solid:
     """The box of a case."""

@@ -6,8 +6,6 @@ from typing import NamedTuple
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
 
-__all__ = ["Complex"]
-
 
 class Complex(NamedTuple):
     """Convex polyhedra whose faces are open to a neighbour or part of a named surface.

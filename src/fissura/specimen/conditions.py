@@ -23,16 +23,6 @@ if TYPE_CHECKING:
     from fissura.specimen.domain import Domain
     from fissura.specimen.surface_part import SurfacePart
 
-__all__ = [
-    "Conditions",
-    "Drive",
-    "Held",
-    "Platen",
-    "Weight",
-    "conditions_from_case",
-    "load_direction",
-]
-
 
 @dataclass(frozen=True)
 class Held:

@@ -13,8 +13,6 @@ from fissura.specimen.limits import IN_PLANE, NO_AREA, SHARP
 from fissura.specimen.planes import Face, Planes
 from fissura.specimen.polyhedron import TOO_SHORT, box, cut, following
 
-__all__ = ["Convex", "Degenerate", "area_vector", "clipped", "clipped_by", "loops_of"]
-
 
 class Degenerate(ValueError):
     """Half-spaces that enclose nothing, or nothing bounded, as far as round-off can tell."""

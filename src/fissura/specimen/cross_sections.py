@@ -12,8 +12,6 @@ from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.limits import LEAST_SIDE, MOST_LEVELS, SAME
 from fissura.specimen.surface_part import SurfacePart
 
-__all__ = ["outline_of", "smallest_section_of"]
-
 
 @compiled_when_large(lambda *given: len(given[0]) * len(given[2]), 500_000)
 @njit()

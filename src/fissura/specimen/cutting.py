@@ -17,8 +17,6 @@ from fissura.specimen.planes import Face, opposite
 from fissura.specimen.reach import Plan, heights, planned
 from fissura.specimen.solid import Cell, Solid
 
-__all__ = ["cut_notches"]
-
 
 def cut_notches(solid: Solid, slots: Sequence[Slot]) -> tuple[Notch, ...]:
     """Cut notches into a solid.

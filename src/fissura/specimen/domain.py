@@ -18,8 +18,6 @@ from fissura.specimen.notches import Notch
 from fissura.specimen.planes import unit
 from fissura.specimen.surface_part import SurfacePart
 
-__all__ = ["Domain"]
-
 
 @dataclass(frozen=True, eq=False)
 class Domain:

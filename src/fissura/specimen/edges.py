@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from fissura.case import Patch as PatchPart
     from fissura.specimen.domain import Domain
 
-__all__ = ["edge_notices"]
-
 
 def edge_notices(case: Case, domain: Domain) -> Iterator[Notice]:
     """Supports and loads less than one body from an edge of their face, or from a notch.

@@ -13,8 +13,6 @@ import numpy as np
 from fissura.arrays import FloatArray, IntArray
 from fissura.specimen.place import Place
 
-__all__ = ["Functional", "mean_displacement", "mean_rotation"]
-
 
 @dataclass(frozen=True)
 class Functional:

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from fissura.specimen.domain import Domain
     from fissura.specimen.notches import Notch
 
-__all__ = ["backward_gauge", "gauge_notices"]
-
 
 def gauge_notices(domain: Domain, conditions: Conditions) -> tuple[Notice, ...]:
     """Whether a gauge has both of its ends on one side of the only notch.

@@ -15,8 +15,6 @@ from fissura.specimen.place import Place, place_from_part
 if TYPE_CHECKING:
     from fissura.case import Gauge, Patch
 
-__all__ = ["Places", "gauge_from_part", "opening"]
-
 
 class Places:
     """Finds the places that the table of a gauge names.

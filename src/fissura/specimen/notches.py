@@ -8,8 +8,6 @@ import numpy as np
 
 from fissura.arrays import FloatArray
 
-__all__ = ["SURFACE", "Notch", "Slot"]
-
 #: Surface of all notches.
 SURFACE = "notch"
 

@@ -30,8 +30,6 @@ from fissura.specimen.surface_part import SurfacePart
 if TYPE_CHECKING:
     from fissura.case import Patch as PatchPart
 
-__all__ = ["Place", "place_from_part"]
-
 
 @dataclass(frozen=True, eq=False)
 class Place:

@@ -11,8 +11,6 @@ import numpy as np
 
 from fissura.arrays import FloatArray
 
-__all__ = ["Edge", "Flat", "Lines", "Piece", "area_of"]
-
 #: A line, and the side of it, +1 or -1, to which the outward normal points.
 Edge: TypeAlias = tuple[int, int]
 

@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike
 from fissura.arrays import FloatArray
 from fissura.specimen.limits import CLEAN, SAME
 
-__all__ = ["Face", "Planes", "opposite"]
-
 #: A plane and the side of it, +1 or -1, to which the outward normal of a face in it points.
 Face: TypeAlias = tuple[int, int]
 

@@ -13,8 +13,6 @@ import numpy as np
 from fissura.arrays import IntArray
 from fissura.kernels import INNER, njit
 
-__all__ = ["TOO_SHORT", "UNCUT", "box", "cut", "farthest", "following"]
-
 UNCUT, TOO_SHORT = -1, -2
 
 

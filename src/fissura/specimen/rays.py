@@ -8,8 +8,6 @@ from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.complex import Complex
 
-__all__ = ["distance_to_surface"]
-
 
 @compiled_when_large(lambda *given: len(given[0]), 1000)
 @njit()

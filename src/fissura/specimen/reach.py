@@ -16,8 +16,6 @@ from fissura.specimen.notches import Notch, Slot
 from fissura.specimen.planes import Face, opposite, unit
 from fissura.specimen.solid import Cell, Solid
 
-__all__ = ["Door", "Plan", "heights", "planned"]
-
 #: Two cells, and a polygon (k, 3) in which they are open to each other.
 Door: TypeAlias = tuple[tuple[int, int], FloatArray]
 

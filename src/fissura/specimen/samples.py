@@ -23,8 +23,6 @@ from fissura.specimen.traces import Trace, traces_at
 if TYPE_CHECKING:
     from fissura.case import Patch as PatchPart
 
-__all__ = ["Sample", "along_of", "at_coordinate", "at_points", "in_box", "on_line", "over", "strip_facing"]
-
 
 @dataclass(frozen=True, eq=False)
 class Sample:

@@ -9,8 +9,6 @@ from fissura.kernels import compiled_when_large, njit
 from fissura.specimen.limits import MOST_ROWS, ROUND_OFF
 from fissura.specimen.planar import Flat
 
-__all__ = ["sampled_interval", "sampled_polygon"]
-
 
 def _count(length: float, spacing: float) -> int:
     return max(1, int(np.ceil(min(length / spacing, MOST_ROWS) - ROUND_OFF)))

@@ -19,8 +19,6 @@ from fissura.specimen.traces import traces_at
 if TYPE_CHECKING:
     from fissura.case import Notch as NotchPart
 
-__all__ = ["slot_from_part"]
-
 
 def slot_from_part(part: NotchPart, domain: Domain, l_f: float, key: str) -> Slot:
     """Find where a notch begins and where it goes.

@@ -12,8 +12,6 @@ from fissura.arrays import FloatArray
 from fissura.specimen.convex import Convex, Degenerate
 from fissura.specimen.planes import Face, Planes, opposite
 
-__all__ = ["Cell", "Solid"]
-
 
 @dataclass(frozen=True, eq=False)
 class Cell:

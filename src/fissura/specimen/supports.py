@@ -9,8 +9,6 @@ from fissura.errors import InputError
 from fissura.specimen.functional import Functional, mean_displacement, mean_rotation
 from fissura.specimen.place import Place
 
-__all__ = ["clamp", "guide", "pin", "roller"]
-
 
 def _normal(place: Place, key: str) -> FloatArray:
     """Unit vector normal to a place, its largest component positive: supports hold both ways."""

@@ -12,8 +12,6 @@ from fissura.specimen.domain import Domain
 from fissura.specimen.limits import ROUND_OFF
 from fissura.specimen.surface_part import SurfacePart
 
-__all__ = ["as_text", "distances", "is_curved", "mean_normal", "slack_of", "surface_parts"]
-
 
 def surface_parts(domain: Domain, names: Sequence[str], key: str) -> tuple[SurfacePart, ...]:
     """Parts of named surfaces.

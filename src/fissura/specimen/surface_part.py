@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from fissura.arrays import FloatArray
 from fissura.specimen.convex import area_vector
 
-__all__ = ["SurfacePart"]
-
 
 @dataclass(frozen=True, eq=False)
 class SurfacePart:

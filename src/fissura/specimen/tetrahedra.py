@@ -12,8 +12,6 @@ from fissura.specimen.convex import Convex
 from fissura.specimen.planes import Face
 from fissura.specimen.solid import Cell, Solid
 
-__all__ = ["OPPOSITE", "solid_of_tetrahedra", "triangles_of"]
-
 #: Corners of the face opposite to each corner, counterclockwise from outside when the volume is positive.
 OPPOSITE = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 

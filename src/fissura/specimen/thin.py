@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from fissura.specimen.domain import Domain
     from fissura.specimen.surface_part import SurfacePart
 
-__all__ = ["Thickness", "thin_notices", "thin_parts"]
-
 
 @dataclass(frozen=True)
 class Thickness:

@@ -11,8 +11,6 @@ from fissura.arrays import FloatArray
 from fissura.specimen.limits import ROUND_OFF
 from fissura.specimen.surface_part import SurfacePart
 
-__all__ = ["Trace", "traces_at"]
-
 
 @dataclass(frozen=True, eq=False)
 class Trace:

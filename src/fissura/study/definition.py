@@ -18,19 +18,6 @@ from fissura.case.types import Count, Fraction
 from fissura.errors import InputError
 from fissura.files.tables import read_toml
 
-__all__ = [
-    "FULL",
-    "MOST_RUNS",
-    "Limits",
-    "SpecimenEntry",
-    "Study",
-    "Task",
-    "Variation",
-    "load_study",
-    "merged",
-    "study_from_dict",
-]
-
 FULL = "full"
 """Name of the run at full resolution, next to those of variations."""
 

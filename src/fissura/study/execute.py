@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from fissura.simulation.state import State
     from fissura.simulation.step import Step
 
-__all__ = ["execute", "failed", "warm_up"]
-
 
 def failed(task: Task, error: BaseException) -> Record:
     """Record of a task of which nothing is left but an error."""

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from fissura.simulation.step import Snapshot, Step
     from fissura.tessellation import Tessellation
 
-__all__ = ["INDICATORS", "OBSERVED", "Observer"]
-
 #: Names of the indicators that have a value in every step.
 OBSERVED = (
     "utilisation",

@@ -29,8 +29,6 @@ from fissura.results.curve import COLUMN_OF, peak_position
 from fissura.study.indicators import INDICATORS
 from fissura.study.record import Energies, Record
 
-__all__ = ["CRACK", "Measures", "crack_position", "crack_share", "measure", "overlap"]
-
 CRACK = 0.5
 """Share of the dissipated energy that makes the crack."""
 

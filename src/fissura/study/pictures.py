@@ -24,8 +24,6 @@ from fissura.study.measures import Measures
 from fissura.study.result import StudyResult
 from fissura.study.statistics import correlations, localisation, pareto, spread, twins
 
-__all__ = ["PICTURES", "draw", "few", "plot_errors", "plot_indicators", "plot_places", "plot_tradeoff"]
-
 PICTURES = ("tradeoff.png", "errors.png", "indicators.png", "places.png")
 """Names of the files."""
 

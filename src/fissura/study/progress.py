@@ -7,8 +7,6 @@ from fissura.progress.live import duration
 from fissura.study.definition import LoadedStudy, Task
 from fissura.study.record import Record
 
-__all__ = ["StudyProgress"]
-
 
 class StudyProgress(ManyProgress):
     """Shows the runs of a study as they end.

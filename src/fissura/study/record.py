@@ -17,8 +17,6 @@ from fissura.files.archive import read_archive, write_archive
 from fissura.results.curve import COLUMNS, Curve, columns
 from fissura.results.result import Result
 
-__all__ = ["FORMAT", "FORMAT_VERSION", "Energies", "Record", "case_text"]
-
 FORMAT, FORMAT_VERSION = "fissura-study-run", 1
 
 

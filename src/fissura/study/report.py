@@ -16,8 +16,6 @@ from fissura.study.measures import Measures
 from fissura.study.result import StudyResult
 from fissura.study.statistics import correlations, fails, localisation, spread
 
-__all__ = ["COLUMNS", "markdown", "summary_rows", "write_tables"]
-
 TEXT = """\
 Each row has the median over seeds, and in brackets the worst: the largest size, for the crack and the ratio of
 processor times the smallest. Differences are per cent of the value at full resolution (load: of its peak). *Load* is

@@ -9,8 +9,6 @@ from fissura.study.definition import SpecimenEntry, Study, Task
 from fissura.study.measures import Measures, measure
 from fissura.study.record import Record
 
-__all__ = ["StudyResult"]
-
 
 @dataclass(frozen=True)
 class StudyResult:

@@ -23,8 +23,6 @@ from fissura.study.store import check_names, split
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-__all__ = ["run_study", "write_result"]
-
 Told = Callable[[Task, Record, int], None]
 
 

@@ -13,19 +13,6 @@ from fissura.study.definition import Limits
 from fissura.study.indicators import INDICATORS
 from fissura.study.measures import Measures
 
-__all__ = [
-    "SAME_CRACK",
-    "Correlation",
-    "Localisation",
-    "Spread",
-    "correlations",
-    "fails",
-    "localisation",
-    "pareto",
-    "spread",
-    "twins",
-]
-
 SAME_CRACK = 0.8
 """Overlap of energies from which a crack is the same."""
 

@@ -11,8 +11,6 @@ from fissura.errors import InputError
 from fissura.study.definition import FULL, LoadedStudy, Task
 from fissura.study.record import Record, case_text
 
-__all__ = ["FAILURES", "check_names", "recorded", "split"]
-
 _log = logging.getLogger(__name__)
 
 FAILURES = "failures"

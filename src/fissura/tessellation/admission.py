@@ -13,8 +13,6 @@ from fissura.arrays import BoolArray, IntArray
 from fissura.tessellation.clipped import NONE, Clipped, Setting, clipped
 from fissura.tessellation.limits import RETURNS
 
-__all__ = ["settled"]
-
 
 def _keys(n: int, cell: IntArray, nucleus: IntArray) -> IntArray:
     return cell * n + nucleus

@@ -16,8 +16,6 @@ from fissura.tessellation.piece import admitted, clip_piece, work_arrays
 from fissura.tessellation.polygon import area2, clip
 from fissura.tessellation.search import longer, taller
 
-__all__ = ["clip_bodies"]
-
 
 @njit(**INNER)
 def _saw(i, k, j, seen, n):  # type: ignore[no-untyped-def]

@@ -15,8 +15,6 @@ from fissura.tessellation.grid import Grid, grid_of
 from fissura.tessellation.polygon import areas_and_centroids
 from fissura.tessellation.ragged import Ragged
 
-__all__ = ["Clipped", "Facets", "Setting", "clipped", "plane_keys"]
-
 NONE = np.empty(0, np.int64)
 
 

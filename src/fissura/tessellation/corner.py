@@ -7,8 +7,6 @@ import numpy as np
 from fissura.kernels import INNER, njit
 from fissura.tessellation.limits import SAME_CORNER
 
-__all__ = ["corner_scratch", "place_corner"]
-
 
 @njit(**INNER)
 def corner_scratch():  # type: ignore[no-untyped-def]

@@ -19,8 +19,6 @@ from fissura.tessellation.voronoi import Cells, voronoi_cells
 if TYPE_CHECKING:
     from fissura.specimen.domain import Domain
 
-__all__ = ["discretize", "tessellate"]
-
 
 def _polygons(facets: Joined) -> Polygons:
     return Polygons(facets.polygons.points, facets.polygons.offsets, facets.facet)

@@ -14,8 +14,6 @@ from fissura.tessellation.limits import NOTHING, SAME_NORMAL, SAME_PLANE
 from fissura.tessellation.polygon import areas_and_centroids, clip
 from fissura.tessellation.tessellation import SurfaceFacets
 
-__all__ = ["Footprint", "footprint"]
-
 
 @dataclass(frozen=True)
 class Footprint:

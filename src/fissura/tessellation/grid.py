@@ -9,8 +9,6 @@ import numpy as np
 from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 
-__all__ = ["Grid", "grid_of", "within"]
-
 
 class Grid(NamedTuple):
     """Points sorted by grid cell, the last axis running fastest.

@@ -13,8 +13,6 @@ from fissura.specimen.polyhedron import following
 from fissura.tessellation.clipped import Facets
 from fissura.tessellation.ragged import Ragged
 
-__all__ = ["Joined", "joined", "lines", "volume_of", "volumes"]
-
 
 @njit()
 def _joined(body, other, plane, size, centroid, smallest):  # type: ignore[no-untyped-def]

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from fissura.case import Case
     from fissura.specimen import Domain
 
-__all__ = ["Nuclei", "nuclei_from_case", "read_nuclei"]
-
 _KEY = "discretization.nuclei"
 
 

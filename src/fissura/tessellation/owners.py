@@ -9,8 +9,6 @@ from scipy.spatial import cKDTree
 
 from fissura.arrays import FloatArray, IntArray
 
-__all__ = ["Bodies", "owners"]
-
 
 class Bodies(Protocol):
     """What has a nucleus for every body: a tessellation, or all nuclei of a specimen."""

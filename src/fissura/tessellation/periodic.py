@@ -15,8 +15,6 @@ from fissura.tessellation.measures import lines, volumes
 from fissura.tessellation.periodic_placement import place_periodic
 from fissura.tessellation.tessellation import Contacts, Polygons
 
-__all__ = ["PeriodicCell", "periodic_cell"]
-
 
 @dataclass(frozen=True)
 class PeriodicCell:

@@ -11,8 +11,6 @@ from fissura.tessellation.placement import first_voxels
 from fissura.tessellation.roots import free_roots
 from fissura.tessellation.voxels import Placed, divided, free, surroundings
 
-__all__ = ["place_periodic"]
-
 
 @njit(**INNER)
 def _enter(p, n, x, grid, shape, side, cell):  # type: ignore[no-untyped-def]

@@ -14,8 +14,6 @@ from fissura.specimen.polyhedron import TOO_SHORT, UNCUT, cut, farthest
 from fissura.tessellation.limits import GROWTH, IN_COORDINATES, IN_PIECE, MIRRORED
 from fissura.tessellation.search import found_within, longer
 
-__all__ = ["admitted", "clip_piece", "contains", "work_arrays"]
-
 
 @njit(**INNER)
 def contains(keys, key):  # type: ignore[no-untyped-def]

@@ -17,8 +17,6 @@ from fissura.tessellation.roots import holder, roots_of
 from fissura.tessellation.search import longer, taller
 from fissura.tessellation.voxels import Placed, cell_of, divided, free, surroundings
 
-__all__ = ["first_voxels", "place"]
-
 
 @njit(**INNER)
 def first_voxels(shape, roots):  # type: ignore[no-untyped-def]

@@ -7,8 +7,6 @@ import numpy as np
 from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import INNER, njit
 
-__all__ = ["area2", "areas_and_centroids", "clip"]
-
 
 @njit(**INNER)
 def clip(points, count, normal, offset, out):  # type: ignore[no-untyped-def]

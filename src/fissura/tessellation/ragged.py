@@ -9,8 +9,6 @@ import numpy as np
 from fissura.arrays import FloatArray, IntArray
 from fissura.kernels import njit
 
-__all__ = ["Ragged"]
-
 
 @njit()
 def _layout(offsets, more_offsets, chosen):  # type: ignore[no-untyped-def]

@@ -18,8 +18,6 @@ from fissura.tessellation.limits import FULL, IN_BOX
 from fissura.tessellation.piece import work_arrays
 from fissura.tessellation.search import longer
 
-__all__ = ["Roots", "extremes", "free_roots", "holder", "part_of", "roots_of"]
-
 
 class Roots(NamedTuple):
     """Root voxels, the last axis running fastest.

@@ -6,8 +6,6 @@ import numpy as np
 
 from fissura.kernels import INNER, njit
 
-__all__ = ["found_within", "longer", "taller"]
-
 
 @njit(**INNER)
 def longer(array):  # type: ignore[no-untyped-def]

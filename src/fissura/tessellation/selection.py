@@ -8,8 +8,6 @@ from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import INNER, njit
 from fissura.tessellation.nuclei import Nuclei
 
-__all__ = ["select"]
-
 
 @njit(**INNER)
 def _free(p, l2, x, grid, head, following):  # type: ignore[no-untyped-def]

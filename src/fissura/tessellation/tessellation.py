@@ -12,8 +12,6 @@ from fissura.arrays import BoolArray, FloatArray, IntArray
 if TYPE_CHECKING:
     from fissura.tessellation.voronoi import Cells
 
-__all__ = ["LEDGE", "Contacts", "Polygons", "SurfaceFacets", "Tessellation"]
-
 #: Name of the surface to which ledges at the tip of a notch belong.
 LEDGE = "ledge"
 

@@ -12,8 +12,6 @@ from fissura.tessellation.admission import settled
 from fissura.tessellation.clipped import Clipped, Setting, clipped, plane_keys
 from fissura.tessellation.grid import grid_of, within
 
-__all__ = ["Cells", "voronoi_cells"]
-
 
 @dataclass(frozen=True)
 class Cells:

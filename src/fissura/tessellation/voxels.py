@@ -17,8 +17,6 @@ from fissura.tessellation.piece import work_arrays
 from fissura.tessellation.roots import extremes, part_of
 from fissura.tessellation.search import longer, taller
 
-__all__ = ["Placed", "cell_of", "divided", "free", "surroundings"]
-
 
 class Placed(NamedTuple):
     """Nuclei placed so far.

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-__all__ = ["Formatter", "count", "counted", "energy", "force", "length", "per_cent", "ratio", "seconds", "stiffness"]
-
 Formatter = Callable[[float], str]
 """What turns a quantity in SI units into text."""
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-__all__ = ["Described", "aligned"]
-
 
 def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
     """One line for each row, the values one below the other.

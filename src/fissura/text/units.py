@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from math import inf
 
-__all__ = ["SCALES", "scale_of", "split_unit"]
-
 SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
     "m": ((1e-3, 1e6, "µm"), (inf, 1e3, "mm")),
     "N": ((1e3, 1.0, "N"), (1e6, 1e-3, "kN"), (inf, 1e-6, "MN")),

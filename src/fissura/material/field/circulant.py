@@ -22,8 +22,6 @@ from fissura.material.field import limits
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy
 
-__all__ = ["CirculantExpansion", "local_error", "torus"]
-
 
 def _stencil(spacing: FloatArray) -> FloatArray:
     offsets = np.arange(limits.STENCIL) - (limits.STENCIL // 2 - 1)

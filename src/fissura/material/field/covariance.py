@@ -15,8 +15,6 @@ from fissura.errors import InputError
 from fissura.kernels import njit
 from fissura.material.field import limits
 
-__all__ = ["MODELS", "Covariance", "Model", "covariance_named"]
-
 
 @dataclass(frozen=True)
 class Model:

@@ -15,8 +15,6 @@ from fissura.material.field import limits
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy, Axes, counts, sample
 
-__all__ = ["DenseExpansion"]
-
 
 class DenseExpansion:
     """``sum_k xi_k a_k(x)`` with ``a_k = psi_k . C(x, grid) / sqrt(lambda_k)``, divided by its own deviation.

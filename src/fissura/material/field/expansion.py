@@ -17,8 +17,6 @@ from fissura.material.field.eole import DenseExpansion
 from fissura.material.field.grid import Accuracy, counts
 from fissura.material.field.separable import SeparableExpansion
 
-__all__ = ["Expansion", "expand"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -22,8 +22,6 @@ from fissura.specimen import domain_from_case
 if TYPE_CHECKING:
     from fissura.case import Case, Field
 
-__all__ = ["RandomField", "field_from_case"]
-
 
 @dataclass(frozen=True)
 class RandomField:

@@ -18,8 +18,6 @@ from fissura.errors import InputError
 from fissura.material.field import limits
 from fissura.material.field.normal import ROOT_2_PI, hazard
 
-__all__ = ["Grafted"]
-
 
 @dataclass(frozen=True)
 class Grafted:

@@ -8,8 +8,6 @@ import numpy as np
 
 from fissura.arrays import FloatArray
 
-__all__ = ["Accuracy", "Axes", "counts", "sample"]
-
 Axes = tuple[FloatArray, FloatArray, FloatArray]
 
 

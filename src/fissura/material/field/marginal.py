@@ -20,8 +20,6 @@ from fissura.material.field import limits
 from fissura.material.field.grafted import Grafted
 from fissura.material.field.normal import ROOT_2_PI, hazard
 
-__all__ = ["MARGINALS", "Gaussian", "Lognormal", "Marginal", "Weibull", "marginal_named"]
-
 
 class Marginal(Protocol):
     """What a field asks of its marginal distribution."""

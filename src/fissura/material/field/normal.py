@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import log_ndtr
 
-__all__ = ["ROOT_2_PI", "hazard"]
-
 ROOT_2_PI = np.sqrt(2.0 * np.pi)
 
 

@@ -18,8 +18,6 @@ from fissura.material.field import limits
 from fissura.material.field.covariance import Covariance
 from fissura.material.field.grid import Accuracy, counts, sample
 
-__all__ = ["SeparableExpansion"]
-
 
 @dataclass(frozen=True)
 class _Axis:

@@ -16,8 +16,6 @@ from fissura.specimen.shapes.convex_parts import check_simple
 if TYPE_CHECKING:
     from fissura.case.shape import Corner
 
-__all__ = ["circle", "flattened"]
-
 
 def _sides(angle: float, radius: float, l_f: float, least: int) -> int:
     """Sides for an arc of a given angle."""

@@ -9,8 +9,6 @@ from fissura.arrays import FloatArray
 from fissura.errors import InputError
 from fissura.specimen.limits import ROUND_OFF, TRIES
 
-__all__ = ["check_simple", "convex_parts"]
-
 
 def check_simple(points: FloatArray, key: str) -> None:
     """Refuse an outline that crosses or touches itself.

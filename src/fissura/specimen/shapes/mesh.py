@@ -18,8 +18,6 @@ from fissura.specimen.shapes.mesher import tetrahedra_of
 from fissura.specimen.solid import Solid
 from fissura.specimen.tetrahedra import OPPOSITE, solid_of_tetrahedra, triangles_of
 
-__all__ = ["mesh"]
-
 #: Files that hold a surface or a model, from which only a mesher makes tetrahedra.
 SURFACES = (".stl", ".step", ".stp", ".obj", ".off", ".ply", ".brep", ".iges", ".igs")
 

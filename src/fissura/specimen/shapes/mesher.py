@@ -11,8 +11,6 @@ from fissura.arrays import FloatArray, IntArray
 from fissura.errors import InputError
 from fissura.specimen.limits import MOST_TRIANGLES, SIDES_OF_MESHER
 
-__all__ = ["tetrahedra_of"]
-
 _BYTES = 50  # of a triangle in a binary STL file
 
 

@@ -17,8 +17,6 @@ from fissura.specimen.solid import Solid
 if TYPE_CHECKING:
     from fissura.case.shape import Bore, Prism, Void
 
-__all__ = ["subtract"]
-
 #: Half-spaces of a convex void, and for each the surface that it leaves.
 _Convex: TypeAlias = tuple[list[tuple[FloatArray, float]], list[str | None]]
 

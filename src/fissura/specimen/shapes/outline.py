@@ -17,8 +17,6 @@ from fissura.specimen.solid import Solid
 if TYPE_CHECKING:
     from fissura.case.shape import Corner
 
-__all__ = ["extruded"]
-
 
 def extruded(
     corners: Sequence[Corner], thickness: float, names: Sequence[str] | None, l_f: float, key: str = "specimen.outline"

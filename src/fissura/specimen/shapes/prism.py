@@ -11,8 +11,6 @@ from fissura.arrays import FloatArray
 from fissura.specimen.shapes.arcs import circle
 from fissura.specimen.solid import Solid
 
-__all__ = ["AXES", "FACES", "box", "box_half_spaces", "cylinder", "prism_half_spaces"]
-
 #: Axes by name.
 AXES = {"x": 0, "y": 1, "z": 2}
 
