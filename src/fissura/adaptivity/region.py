@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from fissura.arrays import FloatArray
+from fissura.case import Case
 from fissura.material import Regions
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.specimen import Domain
+from fissura.specimen import Domain
 
 
 def _empty(*shape: int) -> FloatArray:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fissura.api.stages import stages_in_words, study_in_words
 from fissura.case import Case, case_of
@@ -15,16 +15,14 @@ from fissura.contact import limits_from_case
 from fissura.errors import InputError, Notice
 from fissura.kernels import seconds_to_compile
 from fissura.machine.memory import gigabytes, physical_memory
+from fissura.material.field import RandomField
 from fissura.results.measured import read_measured
 from fissura.simulation.described import described
 from fissura.simulation.loop import Simulation
 from fissura.simulation.memory import estimate_bodies, estimate_memory, require_memory
+from fissura.specimen import Domain
 from fissura.text.quantities import force
 from fissura.text.rows import Described, aligned
-
-if TYPE_CHECKING:
-    from fissura.material.field import RandomField
-    from fissura.specimen import Domain
 
 _QUICK = 3.0
 """Compiling that takes no longer [s] is done for a check."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fissura.case import Case
 from fissura.errors import InputError
 from fissura.machine.memory import physical_memory
 from fissura.machine.threads import side_by_side, usable_processors
@@ -13,7 +14,6 @@ from fissura.simulation.memory import estimate_bodies, estimate_memory
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-    from fissura.case import Case
 
 INSTALL = "pip install fissura[ensemble]"
 

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from fissura.errors import Notice
+
 if TYPE_CHECKING:
     from fissura.api.check import CheckReport
-    from fissura.errors import Notice
     from fissura.results.comparison import Comparison
 
 _FORMAT_VERSION = 1

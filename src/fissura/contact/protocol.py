@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, Protocol, Self
+from typing import ClassVar, Protocol, Self
+
+from pydantic import BaseModel
 
 from fissura.arrays import FloatArray
-
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-
-    from fissura.material import Material
+from fissura.material import Material
 
 
 class AppliedLaw(Protocol):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from fissura.case import Case
 from fissura.case.macroscopic import macroscopic_elasticity, voigt
 from fissura.elasticity import limits
 from fissura.elasticity.pictures import plot_alpha, plot_size
@@ -14,9 +14,6 @@ from fissura.elasticity.tension import macroscopic_tension
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically
 from fissura.files.folder import Folder
-
-if TYPE_CHECKING:
-    from fissura.case import Case
 
 _KINDS = {"periodic": "periodic cell", "gauge": "prism, gauge", "ends": "prism, end to end"}
 

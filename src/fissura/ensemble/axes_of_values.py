@@ -6,12 +6,12 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from matplotlib.axes import Axes
+
 from fissura.case.points import Value
 from fissura.pictures.lettering import literal
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from fissura.ensemble.plan import Plan
 
 _GIVEN = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(\S.*?)\s*")

@@ -7,17 +7,14 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
+from fissura.case import Quantity
 from fissura.files.atomic import write_atomically
 from fissura.results.curve import COLUMN_OF
 from fissura.results.load_path import LoadPath
-
-if TYPE_CHECKING:
-    from fissura.case import Quantity
 
 POINTS = 200
 """Intervals of the abscissa."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fissura.case import Case
 from fissura.ensemble.band import Band
 from fissura.ensemble.result import EnsembleResult
 from fissura.pictures.curves import (
@@ -25,9 +26,6 @@ from fissura.results.load_path import NAMES, LoadPath
 from fissura.results.measured import read_measured
 from fissura.results.names import load_name, value_axis
 from fissura.text.units import scale_of
-
-if TYPE_CHECKING:
-    from fissura.case import Case
 
 WIDE = 7.2
 

@@ -5,22 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from fissura.ensemble.band import Band
+from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.study_pictures import colours
 from fissura.errors import InputError
 from fissura.pictures.specimen_signs import signs_of
 from fissura.reports.view import Marks, scene_of
+from fissura.results.load_path import LoadPath
 from fissura.results.names import load_name, value_axis
 from fissura.specimen import domain_from_case
 from fissura.text.units import scale_of
-
-if TYPE_CHECKING:
-    from fissura.ensemble.band import Band
-    from fissura.ensemble.result import EnsembleResult
-    from fissura.results.load_path import LoadPath
 
 MOST_LINES = 300
 """Curves of runs on a page, at most."""

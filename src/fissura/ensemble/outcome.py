@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fissura.errors import InputError, RunStopped
+from fissura.results import Result
 from fissura.results.curve import Curve
 from fissura.running.run import run as run_case
+from fissura.simulation.step import Step
 
 if TYPE_CHECKING:
     from fissura.ensemble.task import Task
-    from fissura.results import Result
-    from fissura.simulation.step import Step
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from fissura.ensemble.axes_of_values import value_axis_of
 from fissura.ensemble.curve_picture import draw_curves
+from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.study_pictures import curves_by_value
 from fissura.ensemble.table import COLUMNS, varied_keys
 from fissura.errors import InputError
@@ -16,11 +18,6 @@ from fissura.pictures.lettering import literal
 from fissura.pictures.plotting import new_axes, scaled_axis
 from fissura.results.names import column_among
 from fissura.text.units import split_unit
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from fissura.ensemble.result import EnsembleResult
 
 _TABLE = "the table of runs"
 

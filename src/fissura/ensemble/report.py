@@ -6,7 +6,7 @@ import base64
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -14,8 +14,10 @@ import numpy as np
 from fissura.case.registry import ENSEMBLE_PICTURES
 from fissura.ensemble.groups import group_rows
 from fissura.ensemble.interactive import page_data
+from fissura.ensemble.result import EnsembleResult
 from fissura.ensemble.statistics import QUANTITIES
 from fissura.ensemble.table import varied_keys
+from fissura.ensemble.task import Kind
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically
 from fissura.files.folder import Folder
@@ -26,10 +28,6 @@ from fissura.reports.page import rendered, write_page
 from fissura.results.provenance import versions
 from fissura.results.summary import read_summary
 from fissura.text import quantities as text
-
-if TYPE_CHECKING:
-    from fissura.ensemble.result import EnsembleResult
-    from fissura.ensemble.task import Kind
 
 MOVING = ("curves", "curves_by_value")
 """Pictures that a page with curves that move need not show."""

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
 from fissura.equilibrium import limits
+from fissura.equilibrium.response import Response
+from fissura.equilibrium.system import System
 from fissura.linear.krylov import dot
-
-if TYPE_CHECKING:
-    from fissura.equilibrium.response import Response
-    from fissura.equilibrium.system import System
 
 
 @dataclass(frozen=True)

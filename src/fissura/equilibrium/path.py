@@ -10,17 +10,15 @@ from __future__ import annotations
 import logging
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fissura.case import LoadingStage
 from fissura.equilibrium import limits
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.leg import Leg
+from fissura.equilibrium.settled import Equilibrium
 from fissura.equilibrium.steps import StepLength
-
-if TYPE_CHECKING:
-    from fissura.case import LoadingStage
-    from fissura.equilibrium.settled import Equilibrium
-    from fissura.equilibrium.system import System
+from fissura.equilibrium.system import System
 
 _log = logging.getLogger(__name__)
 

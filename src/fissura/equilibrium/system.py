@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from copy import copy
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,12 +32,9 @@ from fissura.linear.krylov import dot
 from fissura.linear.symmetric import SymmetricSolver
 from fissura.machine.kernel_threads import SINGLE_THREAD, KernelThreads
 from fissura.material import Material, Materials, Regions
+from fissura.material.field import RandomField
 from fissura.specimen import Conditions, Drive
 from fissura.tessellation import Tessellation
-
-if TYPE_CHECKING:
-    from fissura.material.field import RandomField
-
 
 _NOWHERE = Regions()
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from pydantic import BaseModel
+from pydantic import BaseModel
 
-    from fissura.case import Case
-    from fissura.case import Material as Part
+from fissura.case import Case
+from fissura.case import Material as Part
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray
+from fissura.case import BallRegion, BoxRegion, Case
 from fissura.errors import InputError
 from fissura.specimen import domain_from_case
-
-if TYPE_CHECKING:
-    from fissura.case import BallRegion, BoxRegion, Case
-
 
 _KEY = "material.elastic"
 

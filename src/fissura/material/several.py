@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray
+from fissura.case import Case
 from fissura.material.parameters import Material, material_from_part
 from fissura.material.regions import Regions, check_overlap
-
-if TYPE_CHECKING:
-    from fissura.case import Case
 
 
 def joined(a: Material, b: Material) -> Material:

@@ -8,10 +8,10 @@ import os
 import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.animation import FFMpegWriter
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
@@ -25,9 +25,6 @@ from fissura.pictures.side_view import Look, SideView, look_of
 from fissura.results.history import Frame, read_history
 from fissura.results.result import Result
 from fissura.text import quantities as text
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 MOST_FRAMES = 100
 """A run of more steps is shown at this many of them."""

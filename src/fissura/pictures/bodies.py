@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
 
 from fissura.errors import InputError
 from fissura.pictures.curves import headline
 from fissura.pictures.panels import bar_beside, kinds_above
 from fissura.pictures.plotting import new_axes
 from fissura.pictures.side_view import COARSE, EDGE, FINE, HEAT, TENSION, Look, SideView, look_of
+from fissura.results.history import Frame
+from fissura.results.run_data import RunData
 from fissura.text import quantities as text
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from fissura.results.history import Frame
-    from fissura.results.run_data import RunData
 
 WIDE, TALL = 9.0, 6.0
 """Width and most height of a new figure [inch]."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from matplotlib.backend_bases import FigureCanvasBase
 
@@ -14,9 +13,7 @@ from fissura.files.atomic import plain, write_atomically, write_json
 from fissura.pictures.curves import DPI, comparison_figure
 from fissura.pictures.lettering import save
 from fissura.pictures.moments import bodies_figure
-
-if TYPE_CHECKING:
-    from fissura.results.comparison import Comparison
+from fissura.results.comparison import Comparison
 
 HEADS = ("a", "b", "difference")
 """Of the columns of numbers."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,10 +21,8 @@ from fissura.pictures.plotting import new_axes
 from fissura.results.load_path import NAMES
 from fissura.results.result import Result
 from fissura.results.run_data import RunData
+from fissura.simulation.step import Snapshot
 from fissura.text import quantities as text
-
-if TYPE_CHECKING:
-    from fissura.simulation.step import Snapshot
 
 SHOWN = 0.02
 """Openings below this part of the largest one are not drawn."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,15 +13,13 @@ from matplotlib.lines import Line2D
 
 from fissura.arrays import FloatArray
 from fissura.pictures.lettering import literal, may_shrink, save
+from fissura.results.comparison import Comparison
 from fissura.results.curve import peak_position
 from fissura.results.measured import MeasuredBand, read_measured
 from fissura.results.names import load_name, value_axis
 from fissura.results.result import Result
 from fissura.text import quantities as text
 from fissura.text.units import scale_of
-
-if TYPE_CHECKING:
-    from fissura.results.comparison import Comparison
 
 BLUE, LIGHT, ORANGE, GREY, INK = "#1f4e79", "#8fb8dc", "#d1641b", "#c9ccd1", "#30343b"
 DPI = 160

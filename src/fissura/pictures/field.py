@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,16 +15,14 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from scipy.special import log_ndtr, ndtri
 
 from fissura.arrays import FloatArray
+from fissura.case import Field
+from fissura.material.field import Marginal, RandomField
 from fissura.pictures.curves import BLUE, DPI, GREY, INK, ORANGE, bare, legend, tidy
 from fissura.pictures.front import projected, rims, seen
 from fissura.pictures.lettering import literal, may_shrink, save
 from fissura.pictures.panels import plain_bar
-
-if TYPE_CHECKING:
-    from fissura.case import Field
-    from fissura.material.field import Marginal, RandomField
-    from fissura.specimen import Domain
-    from fissura.tessellation import Tessellation
+from fissura.specimen import Domain
+from fissura.tessellation import Tessellation
 
 COLOURS = LinearSegmentedColormap.from_list(
     "strength", ["#5c1124", "#b8402f", "#eba77c", "#f6f3ee", "#9dbfd8", "#3f78ab", "#153a63"]

@@ -5,17 +5,14 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterable
 from html import escape
-from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
 from fissura.pictures.attempted import attempted
 from fissura.pictures.curves import comparison_figure, curve_figure
 from fissura.pictures.lettering import rendered
-
-if TYPE_CHECKING:
-    from fissura.results.comparison import Comparison
-    from fissura.results.result import Result
+from fissura.results.comparison import Comparison
+from fissura.results.result import Result
 
 RESOLUTION = 90
 """Points per inch of the picture."""

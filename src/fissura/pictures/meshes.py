@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fissura.errors import InputError
 from fissura.pictures.pyvista_tools import pyvista
+from fissura.results.run_data import RunData
 from fissura.results.vtk import SERIES, bodies_grid, contacts_grid, file_name
 from fissura.results.vtu import Grid
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from fissura.results.run_data import RunData
 
 
 def steps_with_states(result: RunData) -> list[int]:

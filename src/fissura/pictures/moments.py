@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fissura.arrays import FloatArray
@@ -15,15 +15,11 @@ from fissura.pictures.curves import BLUE, DPI, INK, mark_point, note_above
 from fissura.pictures.lettering import literal, may_shrink, save
 from fissura.pictures.panels import draw_curve, draw_scales
 from fissura.pictures.side_view import Look, SideView, look_of
+from fissura.results.comparison import Comparison
 from fissura.results.curve import COLUMN_OF, peak_position
 from fissura.results.history import Frame
 from fissura.results.result import Result
 from fissura.text import quantities as text
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from fissura.results.comparison import Comparison
 
 WIDE = 10.0
 """Width of the pictures [inch]."""

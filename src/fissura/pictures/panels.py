@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, Normalize
@@ -16,12 +17,8 @@ from fissura.pictures.curves import BLUE, INK, mark_refinements, tidy
 from fissura.pictures.side_view import COARSE, EDGE, FINE, HEAT, TENSION, Look
 from fissura.results.curve import peak_position
 from fissura.results.names import load_name, value_axis
+from fissura.results.result import Result
 from fissura.text.units import scale_of
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from fissura.results.result import Result
 
 
 def draw_curve(axes: Axes, result: Result) -> tuple[float, float]:

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from fissura.arrays import FloatArray
+from fissura.case import Case
 from fissura.pictures.curves import BLUE, tidy
 from fissura.pictures.lettering import literal
 from fissura.results.curve import COLUMN_OF
 from fissura.results.names import column_named, load_name, value_axis
+from fissura.results.run_data import RunData
 from fissura.text.units import SCALES, scale_of, split_unit
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from fissura.case import Case
-    from fissura.results.run_data import RunData
 
 
 def plot_columns(result: RunData, x: str | None, y: str, ax: Axes | None, line: dict[str, Any]) -> Axes:

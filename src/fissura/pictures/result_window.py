@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,8 @@ from fissura.pictures.meshes import meshes_of, step_of
 from fissura.pictures.pyvista_tools import legend, plotter, pyvista, toggled
 from fissura.pictures.side_view import COARSE, FINE, HEAT, SHOWN, magnification
 from fissura.pictures.specimen import Sight
+from fissura.results.run_data import RunData
 from fissura.text import quantities as text
-
-if TYPE_CHECKING:
-    from fissura.results.run_data import RunData
 
 SEE_THROUGH = 0.3
 """Opacity of the skin."""

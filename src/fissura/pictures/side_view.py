@@ -4,24 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize, PowerNorm
 from numpy.typing import NDArray
 
 from fissura.arrays import FloatArray
+from fissura.case import Case
 from fissura.pictures.curves import INK
 from fissura.pictures.support_symbols import Symbols, symbols
+from fissura.results.history import Frame
 from fissura.results.section import Outlines, Section, outlines
 from fissura.specimen import domain_from_case
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from fissura.case import Case
-    from fissura.results.history import Frame
 
 FINE, COARSE, EDGE = "#a9c6e3", "#f1ede3", "#7f8b99"
 HEAT = LinearSegmentedColormap.from_list("opening", ["#f9c74f", "#f3892c", "#d6401f", "#96152f", "#4a0524", "#1c0210"])

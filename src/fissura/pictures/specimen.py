@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -20,12 +21,10 @@ from fissura.pictures.side_view import COARSE, FINE
 from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, Signs, Spots, named_facets, signs_of
 from fissura.specimen.notches import SURFACE
 from fissura.specimen.planes import unit
+from fissura.tessellation import SurfaceFacets
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from fissura.simulation.loop import Simulation
-    from fissura.tessellation import SurfaceFacets
 
 NOTCH = "#f2c14e"
 """Colour of walls of notches."""

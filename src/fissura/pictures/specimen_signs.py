@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
+from fissura.case import Case
+from fissura.case.platen import Platen
 from fissura.specimen import Domain, Place, gauge_from_part, load_direction, place_from_part
 from fissura.specimen.planes import unit
+from fissura.tessellation import SurfaceFacets
 from fissura.tessellation.tessellation import LEDGE
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.case.platen import Platen
-    from fissura.tessellation import SurfaceFacets
 
 SUPPORT = "#4b5563"
 LOADS = ("#b42318", "#d97706", "#a21caf", "#7c2d12", "#db2777", "#854d0e")

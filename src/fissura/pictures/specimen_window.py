@@ -15,10 +15,10 @@ from fissura.pictures.side_view import COARSE, FINE
 from fissura.pictures.specimen import NOTCH, Sight
 from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, Signs, Spots, named_facets, signs_of
 from fissura.specimen.notches import SURFACE
+from fissura.tessellation import SurfaceFacets
 
 if TYPE_CHECKING:
     from fissura.simulation.loop import Simulation
-    from fissura.tessellation import SurfaceFacets
 
 Entries = list[tuple[str, str]]
 

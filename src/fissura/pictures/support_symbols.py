@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
 from fissura.arrays import FloatArray
+from fissura.case import Case
 from fissura.specimen import Place, domain_from_case, gauge_from_part, load_direction, place_from_part
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from fissura.case import Case
 
 SUPPORT, LOAD = "#6b7280", "#30343b"
 

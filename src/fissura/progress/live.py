@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Self
 
 from rich.console import Console
 
+from fissura.case import Case
 from fissura.progress.lines import line_on
 from fissura.progress.time_left import TimeLeft
 from fissura.results.done import Done
 from fissura.results.names import driven_in
+from fissura.simulation.step import Step
 from fissura.text.quantities import counted, force, length
 
 if TYPE_CHECKING:
-    from fissura.case import Case
     from fissura.simulation.loop import Simulation
-    from fissura.simulation.step import Step
 
 EVERY_SECONDS = 5.0
 EVERY_FRACTION = 0.05

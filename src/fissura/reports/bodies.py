@@ -7,7 +7,7 @@ of sight anyway. Positions are kept in 16 bits for each axis, displacements in 1
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,7 @@ from fissura.arrays import BoolArray, FloatArray
 from fissura.pictures.meshes import meshes_of, steps_with_states
 from fissura.pictures.result_window import skin_of
 from fissura.reports.packed import packed_size, quantised
-
-if TYPE_CHECKING:
-    from fissura.results.result import Result
+from fissura.results.result import Result
 
 MOST_BYTES = 9_000_000
 """Letters that bodies and cracks of all steps may take in a page; libraries and curves come on top."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,10 @@ from fissura.reports.page import rendered
 from fissura.reports.view import scene_of
 from fissura.results.curve import COLUMN_OF, TEXTS
 from fissura.results.measured import read_measured
+from fissura.results.result import Result
 from fissura.specimen import Domain, domain_from_case
 from fissura.text import quantities as text
 from fissura.text.units import scale_of, split_unit
-
-if TYPE_CHECKING:
-    from fissura.results.result import Result
 
 
 def run_page(result: Result) -> str:

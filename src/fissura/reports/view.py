@@ -5,20 +5,18 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import Colormap, to_rgb
 
 from fissura.arrays import FloatArray
+from fissura.case import Case
 from fissura.pictures.side_view import COARSE, FINE, HEAT, SHOWN, TENSION, magnification
 from fissura.pictures.specimen import Sight
 from fissura.pictures.specimen_signs import SUPPORT, WEIGHT, signs_of
 from fissura.reports.bodies import State
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.specimen import Domain
+from fissura.specimen import Domain
 
 Marks = tuple[str, FloatArray, FloatArray, str]
 """Points with values: what they are, where (k, 3) [m], their values (k,), and what values are called, with the unit."""

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fissura.case import Case, Gauge, Quantity
 from fissura.errors import InputError, Notice
 from fissura.results.load_path import NAMES
-
-if TYPE_CHECKING:
-    from fissura.case import Case, Gauge, Quantity
 
 SPECIMEN = (
     "specimen",

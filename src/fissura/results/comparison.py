@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case import Quantity
+from fissura.errors import Notice
 from fissura.results.dataframe import frame
 from fissura.results.load_path import NAMES
 from fissura.text import quantities as text
@@ -18,8 +20,6 @@ from fissura.text.rows import Described
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from fissura.case import Quantity
-    from fissura.errors import Notice
     from fissura.results.result import Result
 
 ENERGY = "dissipated energy"

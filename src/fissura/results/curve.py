@@ -7,18 +7,16 @@ import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.case import Case, Quantity
 from fissura.case.programme import GRAVITY
 from fissura.errors import InputError
 from fissura.files.text import read_text
-
-if TYPE_CHECKING:
-    from fissura.case import Case, Quantity
-    from fissura.simulation.step import Step
+from fissura.simulation.step import Step
 
 #: Largest curve that is read: a million steps have some 300 MB.
 _MOST_BYTES = 500_000_000

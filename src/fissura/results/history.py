@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +19,8 @@ from fissura.errors import InputError
 from fissura.files.archive import read_archive, write_archive
 from fissura.results.section import Rows, Section, cut
 from fissura.results.summary import read_summary, result_folder
-
-if TYPE_CHECKING:
-    from fissura.simulation.step import Snapshot, Step
-    from fissura.tessellation import Tessellation
+from fissura.simulation.step import Snapshot, Step
+from fissura.tessellation import Tessellation
 
 FILE = "section.npz"
 FORMAT = "fissura-section"

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case import Quantity
 from fissura.errors import InputError
 from fissura.results.curve import COLUMN_OF, Curve
-
-if TYPE_CHECKING:
-    from fissura.case import Quantity
 
 NAMES: dict[Quantity, str] = {"gauge": "gauge", "displacement": "displacement of the load"}
 """What loads may be drawn and compared over, in words."""

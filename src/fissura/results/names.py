@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
+from fissura.case import Case, Quantity
 from fissura.case.programme import GRAVITY
 from fissura.errors import InputError
 from fissura.results.curve import TEXTS
+from fissura.simulation.step import Step
 from fissura.text.units import split_unit
-
-if TYPE_CHECKING:
-    from fissura.case import Case, Quantity
-    from fissura.simulation.step import Step
 
 #: Names that are told one by one, at most.
 _TOLD = 3

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case import Case
 from fissura.errors import Notice
 from fissura.results.curve import Curve, peak_position
 from fissura.results.load_path import ROUND_OFF
 from fissura.text.quantities import force, length
-
-if TYPE_CHECKING:
-    from fissura.case import Case
 
 NO_LOAD = 1e-6
 """Share of the largest load below which a load is none."""

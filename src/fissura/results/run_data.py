@@ -6,21 +6,19 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fissura.case import Case, Quantity
 from fissura.errors import InputError
 from fissura.results.curve import COLUMN_OF, Curve, peak_position
 from fissura.results.history import Frame, read_history
 from fissura.results.names import load_name
+from fissura.simulation.step import Snapshot
 from fissura.text import quantities as text
 from fissura.text.rows import Described
-
-if TYPE_CHECKING:
-    from fissura.case import Case, Quantity
-    from fissura.simulation.step import Snapshot
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.kernels import njit
-
-if TYPE_CHECKING:
-    from fissura.tessellation.tessellation import Polygons, Tessellation
+from fissura.tessellation.tessellation import Polygons, Tessellation
 
 FloatArray32 = NDArray[np.float32]
 OUTSIDE, ON_LEDGE = -1, -2

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -15,9 +15,7 @@ from fissura.arrays import FloatArray, IntArray
 from fissura.files.atomic import write_atomically
 from fissura.results.polyhedra import Polyhedra, polyhedra
 from fissura.results.vtu import POLYGON, POLYHEDRON, Grid, write_vtu
-
-if TYPE_CHECKING:
-    from fissura.simulation.step import Snapshot
+from fissura.simulation.step import Snapshot
 
 SERIES = ("bodies", "contacts")
 """Names of the series of files."""

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
+from fissura.simulation.step import Snapshot
 from fissura.text.units import split_unit
 
 if TYPE_CHECKING:
     from fissura.results.run_data import RunData
-    from fissura.simulation.step import Snapshot
 
 Fields = Literal["curve", "bodies", "contacts"]
 """What there are datasets of."""

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from fissura.case import Case
 from fissura.results.done import Done
 from fissura.results.vtk import SERIES, file_name, write_series, write_snapshot
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.simulation.step import Moment
+from fissura.simulation.step import Moment
 
 
 class ChosenStates:

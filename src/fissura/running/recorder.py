@@ -22,12 +22,12 @@ from fissura.running.run_log import FILE as LOG
 from fissura.running.run_log import RunLog
 from fissura.running.saving import CheckpointWriter
 from fissura.running.storing import draw_pictures, write_case
+from fissura.simulation.state import State
+from fissura.simulation.step import Moment, Snapshot, Step
 
 if TYPE_CHECKING:
     from fissura.running.resuming import Begun
     from fissura.simulation.loop import Simulation
-    from fissura.simulation.state import State
-    from fissura.simulation.step import Moment, Snapshot, Step
 
 logger = logging.getLogger(__name__)
 

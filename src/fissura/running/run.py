@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.console import Console
 
@@ -30,10 +30,8 @@ from fissura.running.resuming import Begun, begun
 from fissura.simulation.loop import Simulation
 from fissura.simulation.memory import require_memory
 from fissura.simulation.observer import Observer, watched
-
-if TYPE_CHECKING:
-    from fissura.simulation.state import State
-    from fissura.simulation.step import Step
+from fissura.simulation.state import State
+from fissura.simulation.step import Step
 
 logger = logging.getLogger(__name__)
 

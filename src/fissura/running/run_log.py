@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import logging
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from fissura.case import Case
 from fissura.results.provenance import commit, versions
+from fissura.simulation.step import Step
 from fissura.text import quantities as text
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.simulation.step import Step
 
 FILE = "run.log"
 """Its name."""

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from fissura.case.continued import as_data
+from fissura.files.folder import Folder
+from fissura.results.curve import Curve
 from fissura.results.history import FILE as SECTIONS
 from fissura.results.history import HistoryWriter
 from fissura.results.provenance import versions
 from fissura.results.summary import peak_memory
 from fissura.running.checkpoint import FILE, Checkpoint, write_checkpoint
 from fissura.simulation.saved import Noted, SavedState
+from fissura.simulation.state import State
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from fissura.files.folder import Folder
-    from fissura.results.curve import Curve
     from fissura.simulation.loop import Simulation
-    from fissura.simulation.state import State
 
 #: Checkpoints take at most this share of the time.
 _SHARE = 0.01

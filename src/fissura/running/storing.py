@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from fissura.case import Case
 from fissura.errors import InputError
 from fissura.files.atomic import write_atomically, write_json
 from fissura.files.folder import Folder, copy_files, prepare_folder
 from fissura.files.lock import locked
 from fissura.material import field_from_case
+from fissura.material.field import RandomField
 from fissura.pictures.attempted import attempted
 from fissura.results.curve_writer import CurveWriter
 from fissura.results.history import FILE, HistoryWriter
+from fissura.results.result import Result
 from fissura.results.state import LAST, state_file, write_state
 from fissura.results.summary import result_folder, write_summary
 from fissura.running.chosen import ChosenStates
 from fissura.simulation.step import Moment
 from fissura.specimen import Domain, domain_from_case
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.material.field import RandomField
-    from fissura.results.result import Result
 
 Own = Callable[..., Path]
 """Takes names of files that are about to be written, and gives the path of the first one."""

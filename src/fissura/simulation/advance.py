@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,12 +18,10 @@ from fissura.simulation.accepted import accepted
 from fissura.simulation.entering import entered
 from fissura.simulation.found import Found
 from fissura.simulation.guess import guessed
+from fissura.simulation.model import Model
 from fissura.simulation.state import State
+from fissura.simulation.step import Step
 from fissura.simulation.stopping import FAILURES, reason, stopping
-
-if TYPE_CHECKING:
-    from fissura.simulation.model import Model
-    from fissura.simulation.step import Step
 
 _log = logging.getLogger(__name__)
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from fissura.case import Case, case_notices
 from fissura.contact import ContactLaw, check_ductile, law_from_case
+from fissura.errors import Notice
 from fissura.material import Materials, Regions, elastic_from_case, materials_from_case
 from fissura.specimen import (
     Conditions,
@@ -18,9 +18,6 @@ from fissura.specimen import (
     thin_notices,
     thin_parts,
 )
-
-if TYPE_CHECKING:
-    from fissura.errors import Notice
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from fissura.adaptivity import (
     region_from_case,
 )
 from fissura.arrays import FloatArray
+from fissura.case import Case
 from fissura.case.registry import CRITERIA
 from fissura.equilibrium import Response, System, check_places
 from fissura.errors import InputError
@@ -26,11 +27,6 @@ from fissura.material import check_not_everywhere, field_from_case
 from fissura.simulation.described import described
 from fissura.specimen import Conditions, Drive
 from fissura.tessellation import Tessellation, discretize, nuclei_from_case
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from fissura.case import Case
 
 
 def _count(bodies: int) -> str:

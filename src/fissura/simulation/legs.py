@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case import Case
 from fissura.case.programme import GRAVITY, StageTarget
 from fissura.case.stages import LoadingStage
 from fissura.equilibrium import Leg, System
@@ -16,7 +17,6 @@ from fissura.simulation import limits
 from fissura.specimen import Conditions, Drive
 
 if TYPE_CHECKING:
-    from fissura.case import Case
     from fissura.simulation.state import State
 
 

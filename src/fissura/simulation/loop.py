@@ -7,23 +7,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+from fissura.case import Case
+from fissura.errors import Notice
 from fissura.machine.memory import within_memory
+from fissura.material.field import RandomField
 from fissura.simulation.advance import advance
 from fissura.simulation.discretization import Discretization
 from fissura.simulation.model import Model
 from fissura.simulation.start import started
 from fissura.simulation.state import State
+from fissura.simulation.step import Step
 from fissura.simulation.stopping import stopping
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.errors import Notice
-    from fissura.material.field import RandomField
-    from fissura.simulation.step import Step
-    from fissura.specimen import Domain
-    from fissura.tessellation import Tessellation
+from fissura.specimen import Domain
+from fissura.tessellation import Tessellation
 
 
 class Simulation:

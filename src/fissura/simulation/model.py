@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fissura.case import Case, LoadingStage
 from fissura.equilibrium import Leading, Leg, PathFollower, StepSolver, System
 from fissura.simulation.discretization import Discretization
 from fissura.simulation.found import Found, snapshot_of
 from fissura.simulation.legs import ahead, planned_legs
+from fissura.simulation.step import Snapshot
 
 if TYPE_CHECKING:
-    from fissura.case import Case, LoadingStage
     from fissura.simulation.state import State
-    from fissura.simulation.step import Snapshot
 
 
 class Model:

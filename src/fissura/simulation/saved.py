@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from fissura.adaptivity import Coarsening, Layout, RefinedRegion
 from fissura.arrays import FloatArray, IntArray
+from fissura.contact import AppliedLaw
 from fissura.equilibrium import (
     Equilibrium,
     Leading,
@@ -26,7 +27,6 @@ from fissura.simulation.jumps import Jumps
 from fissura.simulation.state import Before, Effort, Start, State, Totals
 
 if TYPE_CHECKING:
-    from fissura.contact import AppliedLaw
     from fissura.simulation.model import Model
 
 

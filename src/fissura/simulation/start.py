@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fissura.case import Case
 from fissura.equilibrium import Equilibrium, System, UnmovedGaugeError, settle
 from fissura.errors import InputError, Notice
 from fissura.linear import SingularMatrixError
@@ -15,9 +15,6 @@ from fissura.simulation.entering import check_drives
 from fissura.simulation.model import Model
 from fissura.simulation.state import Start, State, Totals
 from fissura.specimen import backward_gauge
-
-if TYPE_CHECKING:
-    from fissura.case import Case
 
 _log = logging.getLogger(__name__)
 

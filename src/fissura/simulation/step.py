@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case import Quantity
 from fissura.tessellation import Tessellation
-
-if TYPE_CHECKING:
-    from fissura.case import Quantity
 
 
 @dataclass(frozen=True)

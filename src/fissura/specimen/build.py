@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from fissura.case import Case
+from fissura.case import Notch as NotchPart
 from fissura.case.registry import SHAPES
+from fissura.case.shape import Specimen, Void
 from fissura.errors import InputError, Notice
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.convex import Degenerate
@@ -22,11 +24,6 @@ from fissura.specimen.shapes.outline import extruded
 from fissura.specimen.shapes.prism import AXES, box, cylinder
 from fissura.specimen.slots import slot_from_part
 from fissura.specimen.solid import Solid
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.case import Notch as NotchPart
-    from fissura.case.shape import Specimen, Void
 
 
 def box_of(part: Specimen, l_f: float) -> Solid:

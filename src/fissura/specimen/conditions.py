@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case import Case, Load, LoadingStage
+from fissura.case.platen import Platen as PlatenPart
 from fissura.case.programme import GRAVITY
 from fissura.case.registry import SUPPORTS
 from fissura.errors import InputError
+from fissura.specimen.domain import Domain
 from fissura.specimen.functional import Functional, mean_displacement, mean_rotation
 from fissura.specimen.gauge_kinds import gauge_from_part
 from fissura.specimen.place import Place, place_from_part
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from fissura.case import Case, Load, LoadingStage
-    from fissura.case.platen import Platen as PlatenPart
-    from fissura.specimen.domain import Domain
-    from fissura.specimen.surface_part import SurfacePart
+from fissura.specimen.surface_part import SurfacePart
 
 
 @dataclass(frozen=True)

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case import Case
+from fissura.case import Patch as PatchPart
 from fissura.errors import Notice
+from fissura.specimen.domain import Domain
 from fissura.specimen.limits import FACING, ROUND_OFF
 from fissura.specimen.notches import SURFACE
 from fissura.specimen.place import place_from_part
 from fissura.specimen.surface import distances
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.case import Patch as PatchPart
-    from fissura.specimen.domain import Domain
 
 
 def edge_notices(case: Case, domain: Domain) -> Iterator[Notice]:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from fissura.case import Gauge, Patch
 from fissura.case.registry import GAUGES
 from fissura.errors import InputError
 from fissura.specimen.domain import Domain
 from fissura.specimen.functional import Functional, mean_displacement
 from fissura.specimen.place import Place, place_from_part
-
-if TYPE_CHECKING:
-    from fissura.case import Gauge, Patch
 
 
 class Places:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray
+from fissura.case import Patch as PatchPart
 from fissura.errors import InputError
 from fissura.specimen.domain import Domain
 from fissura.specimen.limits import NO_COMPONENT, SAMPLES
@@ -26,9 +26,6 @@ from fissura.specimen.samples import (
 )
 from fissura.specimen.surface import distances, surface_parts
 from fissura.specimen.surface_part import SurfacePart
-
-if TYPE_CHECKING:
-    from fissura.case import Patch as PatchPart
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray
+from fissura.case import Patch as PatchPart
 from fissura.errors import InputError
 from fissura.specimen.convex import clipped_by
 from fissura.specimen.domain import Domain
@@ -19,9 +19,6 @@ from fissura.specimen.shapes.prism import AXES, box_half_spaces
 from fissura.specimen.surface import as_text, distances, is_curved, slack_of
 from fissura.specimen.surface_part import SurfacePart
 from fissura.specimen.traces import Trace, traces_at
-
-if TYPE_CHECKING:
-    from fissura.case import Patch as PatchPart
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fissura.case import Notch as NotchPart
 from fissura.errors import InputError
 from fissura.specimen.domain import Domain
 from fissura.specimen.limits import NO_COMPONENT
@@ -15,9 +15,6 @@ from fissura.specimen.shapes.prism import AXES
 from fissura.specimen.surface import as_text, distances, is_curved, mean_normal, slack_of, surface_parts
 from fissura.specimen.surface_part import SurfacePart
 from fissura.specimen.traces import traces_at
-
-if TYPE_CHECKING:
-    from fissura.case import Notch as NotchPart
 
 
 def slot_from_part(part: NotchPart, domain: Domain, l_f: float, key: str) -> Slot:

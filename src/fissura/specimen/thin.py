@@ -10,21 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case import Case
 from fissura.errors import InputError, Notice
+from fissura.specimen.domain import Domain
 from fissura.specimen.limits import FACING, LEAST, ROUND_OFF, SINGLE, USUAL
 from fissura.specimen.notches import SURFACE, Notch
 from fissura.specimen.rays import distance_to_surface
 from fissura.specimen.surface import distances
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.specimen.domain import Domain
-    from fissura.specimen.surface_part import SurfacePart
+from fissura.specimen.surface_part import SurfacePart
 
 
 @dataclass(frozen=True)

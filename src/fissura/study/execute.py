@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import traceback
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fissura.case import case_from_dict
 from fissura.errors import FissuraError, InputError, RunStopped
@@ -13,13 +13,11 @@ from fissura.results.summary import build_summary, peak_memory
 from fissura.simulation.loop import Simulation
 from fissura.simulation.memory import require_memory
 from fissura.simulation.observer import watched
+from fissura.simulation.state import State
+from fissura.simulation.step import Step
 from fissura.study.definition import FULL, Task
 from fissura.study.indicators import Observer
 from fissura.study.record import Record
-
-if TYPE_CHECKING:
-    from fissura.simulation.state import State
-    from fissura.simulation.step import Step
 
 
 def failed(task: Task, error: BaseException) -> Record:

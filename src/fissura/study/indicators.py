@@ -27,16 +27,13 @@ are those of the run, with its random field if there is one:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
+from fissura.simulation.step import Snapshot, Step
 from fissura.study.record import Energies
-
-if TYPE_CHECKING:
-    from fissura.simulation.step import Snapshot, Step
-    from fissura.tessellation import Tessellation
+from fissura.tessellation import Tessellation
 
 #: Names of the indicators that have a value in every step.
 OBSERVED = (

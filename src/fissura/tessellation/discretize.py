@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.errors import InputError
 from fissura.specimen.complex import Complex
+from fissura.specimen.domain import Domain
 from fissura.tessellation.limits import LOST, LOST_IN_SLIVERS, NEGLIGIBLE, SLIVER
 from fissura.tessellation.measures import Joined, joined, lines, volume_of, volumes
 from fissura.tessellation.nuclei import Nuclei
 from fissura.tessellation.selection import select
 from fissura.tessellation.tessellation import LEDGE, Contacts, Polygons, SurfaceFacets, Tessellation
 from fissura.tessellation.voronoi import Cells, voronoi_cells
-
-if TYPE_CHECKING:
-    from fissura.specimen.domain import Domain
 
 
 def _polygons(facets: Joined) -> Polygons:

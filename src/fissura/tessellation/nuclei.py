@@ -6,22 +6,20 @@ import io
 import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
+from fissura.case import Case
 from fissura.errors import InputError
 from fissura.files.text import check_file, read_text
+from fissura.specimen import Domain
 from fissura.specimen.complex import Complex
 from fissura.tessellation.limits import MOST_BYTES, MOST_BYTES_OF_TEXT, ON_SURFACE
 from fissura.tessellation.placement import place
-
-if TYPE_CHECKING:
-    from fissura.case import Case
-    from fissura.specimen import Domain
 
 _KEY = "discretization.nuclei"
 

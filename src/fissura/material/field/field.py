@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case import Case, Field
 from fissura.errors import InputError
 from fissura.machine.memory import within_memory
 from fissura.material.field import limits
@@ -18,9 +18,6 @@ from fissura.material.field.expansion import Expansion, expand
 from fissura.material.field.grid import Accuracy
 from fissura.material.field.marginal import Marginal, marginal_named
 from fissura.specimen import domain_from_case
-
-if TYPE_CHECKING:
-    from fissura.case import Case, Field
 
 
 @dataclass(frozen=True)

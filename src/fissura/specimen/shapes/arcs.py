@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray
+from fissura.case.shape import Corner
 from fissura.errors import InputError
 from fissura.specimen.limits import FEWEST_SIDES, MOST_SIDES, SAGITTA
 from fissura.specimen.planar import area_of
 from fissura.specimen.shapes.convex_parts import check_simple
-
-if TYPE_CHECKING:
-    from fissura.case.shape import Corner
 
 
 def _sides(angle: float, radius: float, l_f: float, least: int) -> int:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case.shape import Bore, Prism, Void
 from fissura.errors import InputError
 from fissura.specimen.planes import unit
 from fissura.specimen.shapes.arcs import circle, flattened
 from fissura.specimen.shapes.convex_parts import check_simple, convex_parts
 from fissura.specimen.shapes.prism import AXES, box_half_spaces, prism_half_spaces
 from fissura.specimen.solid import Solid
-
-if TYPE_CHECKING:
-    from fissura.case.shape import Bore, Prism, Void
 
 #: Half-spaces of a convex void, and for each the surface that it leaves.
 _Convex: TypeAlias = tuple[list[tuple[FloatArray, float]], list[str | None]]

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fissura.arrays import FloatArray
+from fissura.case.shape import Corner
 from fissura.specimen.shapes.arcs import flattened
 from fissura.specimen.shapes.convex_parts import check_simple, convex_parts
 from fissura.specimen.shapes.prism import prism_half_spaces
 from fissura.specimen.solid import Solid
-
-if TYPE_CHECKING:
-    from fissura.case.shape import Corner
 
 
 def extruded(
