@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
@@ -47,7 +47,11 @@ LEVELS = (
     Level(0.005, 0.6, 8.0, 4.0),
 )
 
-_DEFAULT = LEVELS[1]
+#: Tolerance of the defaults.
+_USUAL = 0.01
+
+#: The same for a smooth coarse part; only these have been measured.
+SMOOTH_LEVELS = (Level(0.01, 0.75, 4.0, 2.0),)
 
 
 class Adaptivity(Part):
@@ -55,6 +59,7 @@ class Adaptivity(Part):
 
     criterion: Annotated[str, NameIn(CRITERIA)] = Field(default="utilisation", description="the name of a criterion")
     tolerance: Fraction | None = None
+    coarse_part: Literal["heterogeneous", "smooth"] = "heterogeneous"
     gamma: Fraction = Field(default=math.nan, validate_default=False)
     r_f: PositiveLength = Field(default=math.nan, validate_default=False)
     r_c: PositiveLength = Field(default=math.nan, validate_default=False)
@@ -79,7 +84,7 @@ class Adaptivity(Part):
         ValueError
             Keys that contradict each other.
         """
-        level = self._level() or _DEFAULT
+        level = self._level()
         # What an earlier case resolved was not given, and follows the spacings of this one.
         given = self.model_fields_set
         gamma = self.gamma if "gamma" in given else level.gamma
@@ -102,16 +107,16 @@ class Adaptivity(Part):
         resolved.__dict__.update(gamma=gamma, r_f=r_f, r_c=r_c, r_w=r_w, gamma_coarse=gamma_coarse)
         return resolved
 
-    def _level(self) -> Level | None:
-        """The coarsest level that keeps the tolerance; None without one."""
-        if self.tolerance is None:
-            return None
-        for level in LEVELS:
-            if level.tolerance <= self.tolerance:
+    def _level(self) -> Level:
+        """The coarsest level that keeps the tolerance; the one of 1 % without a tolerance."""
+        levels = SMOOTH_LEVELS if self.coarse_part == "smooth" else LEVELS
+        tolerance = _USUAL if self.tolerance is None else self.tolerance
+        for level in levels:
+            if level.tolerance <= tolerance:
                 return level
-        least = LEVELS[-1].tolerance
+        least = levels[-1].tolerance
         fail(
-            f"{self.tolerance:g} is smaller than what has been measured",
+            f"{tolerance:g} is smaller than what has been measured",
             f"{least:g} ({100 * least:g} % of the peak load) or more, or gamma, r_f and r_c",
             "tolerance",
         )

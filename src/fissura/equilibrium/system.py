@@ -20,6 +20,7 @@ from fissura.contact import (
 )
 from fissura.equilibrium import limits
 from fissura.equilibrium.acting import Acting
+from fissura.equilibrium.coarse_part import bending_stiffness, smooth_moduli
 from fissura.equilibrium.platens import with_platens
 from fissura.equilibrium.reactions import carrying
 from fissura.equilibrium.response import Response
@@ -60,6 +61,8 @@ class System:
         Relative strength and fracture energy, taken at the centroids of facets; 1 everywhere by default.
     threads : KernelThreads
         Threads for linear solvers.
+    smooth : bool, optional
+        Coarse contacts scatter less than those of the material, and resist bending (`coarse_part.py`).
 
     Raises
     ------
@@ -99,6 +102,8 @@ class System:
         elastic: Regions = _NOWHERE,
         field: RandomField | None = None,
         threads: KernelThreads = SINGLE_THREAD,
+        *,
+        smooth: bool = False,
     ) -> None:
         contacts = tessellation.contacts
         if not len(contacts):
@@ -116,6 +121,8 @@ class System:
         self.acting = Acting.on(conditions, tessellation, whole)
         self.supports = Supports.of(self.acting.support_rows, tessellation, self.platens, self._elastic)
         spin = spin_stiffness(tessellation, self.platens, self._elastic)
+        if smooth:
+            self._smooth(spin)
         self.pattern: Pattern = pattern(self.geometry, self.supports.constant, spin, self.supports.low_rank)
         self.symmetric = SymmetricSolver(self.pattern, whole.x, linear, threads)
         # Moments count as forces at the arm of half a contact.
@@ -148,6 +155,13 @@ class System:
             self._elastic *= self.platens.share
         self.stiffest = float(self._elastic[:, 0].max())
         self._strength: FloatArray = several.strength(kinds)
+
+    def _smooth(self, spin: FloatArray) -> None:
+        """Give coarse contacts moduli that scatter less, and add their resistance to bending to `spin`, (m,) [N m]."""
+        chosen = self.coarse[self.coarse < len(self.tessellation.contacts)]  # not those with platens
+        own = self._elastic[chosen]
+        spin[chosen] += bending_stiffness(own, self.tessellation.contacts, chosen)
+        self._elastic[chosen] = smooth_moduli(own)
 
     @cached_property
     def strength(self) -> FloatArray:

@@ -108,6 +108,7 @@ class Discretization:
             self._elastic,
             self.field,
             self._threads,
+            smooth=self._case.adaptivity.coarse_part == "smooth",
         )
 
     def _calibrated(self, system: System) -> System:
