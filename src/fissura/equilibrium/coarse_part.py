@@ -11,10 +11,38 @@ from __future__ import annotations
 
 import numpy as np
 
-from fissura.arrays import FloatArray
+from fissura.arrays import FloatArray, IntArray
 from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.equilibrium import limits
 from fissura.tessellation import Contacts
+
+
+def smoothed(
+    contacts: Contacts, coarse: IntArray, elastic: FloatArray, spin: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Stiffness of all contacts where coarse ones are smooth.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        The k contacts between bodies of the specimen; those with platens, which follow, stay as they are.
+    coarse : (c,) array
+        Coarse contacts.
+    elastic : (m, 3) array
+        Moduli ``E, alpha E, alpha E`` by the material, m >= k [Pa].
+    spin : (m,) array
+        Stiffness against relative rotation [N m].
+
+    Returns
+    -------
+    elastic, spin : (m, 3), (m,) arrays
+        As they are then.
+    """
+    chosen = coarse[coarse < len(contacts)]
+    elastic, spin, own = elastic.copy(), spin.copy(), elastic[chosen]
+    elastic[chosen] = smooth_moduli(own)
+    spin[chosen] += bending_stiffness(own, contacts, chosen)
+    return elastic, spin
 
 
 def smooth_moduli(elastic: FloatArray) -> FloatArray:
@@ -44,7 +72,7 @@ def smooth_moduli(elastic: FloatArray) -> FloatArray:
     return out
 
 
-def bending_stiffness(elastic: FloatArray, contacts: Contacts, chosen: FloatArray) -> FloatArray:
+def bending_stiffness(elastic: FloatArray, contacts: Contacts, chosen: IntArray) -> FloatArray:
     """Stiffness of coarse contacts against relative rotation of their bodies, ``E_macro A^2 / (12 L)`` [N m].
 
     It is that of a bar of the macroscopic modulus between the nuclei, with the second moment of a square facet, and

@@ -51,13 +51,12 @@ UNMOVED = 1e-9
 
 # A smooth coarse part (`benchmarks/coarse_part.py`)
 
-#: Tangential over normal stiffness of coarse contacts, at least. With 0.29, that of the material, beams of 400 mm have a
-#: fifth more bodies than with 0.5; with 0.7 and 1 a twentieth fewer, but errors of the load of 0.5 and 0.7 % instead of
-#: 0.4 %, for Poisson's ratio falls from 0.18 to 0.06 and 0 instead of 0.12.
+#: Tangential over normal stiffness of coarse contacts, at least. With 0.29, that of the material, beams of 400 mm need
+#: a fifth more bodies. With 0.7 and 1 they need a twentieth fewer, but errors of the load are half as large again and
+#: twice as large: Poisson's ratio falls from 0.18 to 0.12 with 0.5, to 0.06 and 0 with these.
 SMOOTH_ALPHA = 0.5
 
-#: Rotational stiffness of coarse contacts over that of a facet of the macroscopic modulus. Without it, the error of the
-#: load is half as large again with the same radius.
+#: Rotational stiffness of coarse contacts over that of a square facet of the macroscopic modulus.
 BENDING = 1.0
 
 # Corrections of a step (`benchmarks/nonlinear.py`)

@@ -20,7 +20,7 @@ from fissura.contact import (
 )
 from fissura.equilibrium import limits
 from fissura.equilibrium.acting import Acting
-from fissura.equilibrium.coarse_part import bending_stiffness, smooth_moduli
+from fissura.equilibrium.coarse_part import smoothed
 from fissura.equilibrium.platens import with_platens
 from fissura.equilibrium.reactions import carrying
 from fissura.equilibrium.response import Response
@@ -122,7 +122,8 @@ class System:
         self.supports = Supports.of(self.acting.support_rows, tessellation, self.platens, self._elastic)
         spin = spin_stiffness(tessellation, self.platens, self._elastic)
         if smooth:
-            self._smooth(spin)
+            moduli, spin = smoothed(contacts, self.coarse, self._elastic, spin)
+            self._elastic[:] = moduli
         self.pattern: Pattern = pattern(self.geometry, self.supports.constant, spin, self.supports.low_rank)
         self.symmetric = SymmetricSolver(self.pattern, whole.x, linear, threads)
         # Moments count as forces at the arm of half a contact.
@@ -155,13 +156,6 @@ class System:
             self._elastic *= self.platens.share
         self.stiffest = float(self._elastic[:, 0].max())
         self._strength: FloatArray = several.strength(kinds)
-
-    def _smooth(self, spin: FloatArray) -> None:
-        """Give coarse contacts moduli that scatter less, and add their resistance to bending to `spin`, (m,) [N m]."""
-        chosen = self.coarse[self.coarse < len(self.tessellation.contacts)]  # not those with platens
-        own = self._elastic[chosen]
-        spin[chosen] += bending_stiffness(own, self.tessellation.contacts, chosen)
-        self._elastic[chosen] = smooth_moduli(own)
 
     @cached_property
     def strength(self) -> FloatArray:
