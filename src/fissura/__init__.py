@@ -3,8 +3,6 @@
 Public names are imported at first use, so that ``import fissura`` stays light.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 

@@ -1,7 +1,5 @@
 """Types of arrays by what they hold; shapes are told where they are used."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

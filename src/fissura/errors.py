@@ -1,7 +1,5 @@
 """Errors that a user can cause or meet, and warnings about what is allowed but looks wrong."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Adaptivity: refinement criterion, refined region, transfer of history."""
 
-from __future__ import annotations
-
 from fissura.adaptivity.calibration import calibrated, gauge_compliance
 from fissura.adaptivity.coarsening import Coarsening, needed_bodies
 from fissura.adaptivity.criterion import ElasticState

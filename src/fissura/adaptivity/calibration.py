@@ -6,8 +6,6 @@ to the measured stiffness: coarse contacts of every coarser discretization of th
 their stiffness, such that the gauge opens under unit load exactly as at full resolution.
 """
 
-from __future__ import annotations
-
 import logging
 
 import numpy as np

@@ -3,8 +3,6 @@
 Each returns a value per body, 1 meaning at its strength; coarse bodies above ``gamma`` are critical.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -5,8 +5,6 @@ nearer the coarse part is to the crack, the more its elastic field is off. Over 
 ``docs/study.md`` the largest elastic utilisation and the radius `r_f` together bound the error of the load.
 """
 
-from __future__ import annotations
-
 from fissura.adaptivity import limits
 
 

@@ -1,7 +1,5 @@
 """Every number of this room that decides something: what it limits, why it has its size, what it was measured by."""
 
-from __future__ import annotations
-
 # Elastic calibration (`benchmarks/start_stiffness.py`)
 
 #: Smallest and largest factor on the stiffness of coarse contacts.

@@ -1,7 +1,5 @@
 """History of contacts from one discretization to the next, by pairs of nuclei."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray

@@ -1,7 +1,5 @@
 """What a case would run: sizes, limits and warnings, without solving anything."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A report of whatever a folder holds."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The stages of a case, and its ensemble, in words, for `fissura check`."""
 
-from __future__ import annotations
-
 import math
 
 from fissura.case import Case, LoadingStage

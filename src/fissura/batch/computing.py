@@ -1,7 +1,5 @@
 """Tasks computed side by side, and kept one by one as they end."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator, Iterable
 from contextlib import closing
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """Live progress of many runs: how many have ended, and about how long the others take."""
 
-from __future__ import annotations
-
 import time
 
 from rich.console import Console

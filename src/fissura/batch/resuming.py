@@ -1,7 +1,5 @@
 """Whether a folder of many runs may be gone on with: it must have been begun with what is asked for now."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Set
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The result of a search: estimates with errors, and how the curves of every test fit."""
 
-from __future__ import annotations
-
 import logging
 from pathlib import Path
 

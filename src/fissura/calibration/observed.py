@@ -4,8 +4,6 @@ Points that are even over the gauge would be few on the steep rise and many on t
 curve, gauge and load each over their largest value, rise, peak and tail count by their length in the picture.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

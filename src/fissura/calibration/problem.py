@@ -1,7 +1,5 @@
 """What a calibration asks for: unknown keys of a case, and the tests whose curves they are to explain."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

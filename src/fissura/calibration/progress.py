@@ -1,7 +1,5 @@
 """Live progress over the runs of a calibration."""
 
-from __future__ import annotations
-
 from fissura.calibration.problem import Problem
 from fissura.ensemble.progress import OutcomeProgress
 

@@ -1,7 +1,5 @@
 """A calibration from what a user asks for: a file of tests and unknowns, or a case with measured curves."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence

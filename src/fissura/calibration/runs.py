@@ -1,7 +1,5 @@
 """Designs of a calibration computed by ensembles: one for each round and test, in a folder of its own."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

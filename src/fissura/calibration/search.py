@@ -6,8 +6,6 @@ was run; it is run, the surrogate is fitted again, and so on, until the best pla
 run, measured by its standard error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 

@@ -8,8 +8,6 @@ found from one specimen. The mean of ``S`` seeds and that of ``n`` measured spec
 ``S`` and ``n``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

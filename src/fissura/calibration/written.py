@@ -1,7 +1,5 @@
 """The calibrated case as a file that runs: the user's own file, with the values that were found in their places."""
 
-from __future__ import annotations
-
 import os
 import tomllib
 from collections.abc import Mapping

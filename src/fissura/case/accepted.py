@@ -1,7 +1,5 @@
 """What a validator takes beyond what it returns, for the JSON schema of case files."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
 

@@ -1,7 +1,5 @@
 """Cases with some values changed: by dotted keys, defaults derived anew."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import Any, TypeVar

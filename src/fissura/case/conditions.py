@@ -1,7 +1,5 @@
 """Supports, loads and gauges of a case, and the names of the latter two."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What may change in a case when a run of it goes on: where it ends, and nothing of what has been."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Set
 from typing import Any

@@ -1,7 +1,5 @@
 """What a case file says about many runs of it: how many, with which seeds, and which keys are varied."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, Self
 

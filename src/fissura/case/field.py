@@ -1,7 +1,5 @@
 """The random field of a case."""
 
-from __future__ import annotations
-
 from pydantic import Field as Entry
 
 from fissura.case.part import Part

@@ -1,7 +1,5 @@
 """Points, lines, names of surfaces, and units that are given once for a whole table."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from numbers import Real
 from typing import Annotated, Any

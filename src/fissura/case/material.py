@@ -1,7 +1,5 @@
 """Constants of the material, as a case gives them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self
 

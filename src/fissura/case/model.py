@@ -1,7 +1,5 @@
 """A case as a whole: what a case file may say, validated, in SI units."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Self

@@ -1,7 +1,5 @@
 """Things by the name that a case gives: of Fissura, of other packages, and of the running program."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Callable, Iterator, Mapping, MutableMapping

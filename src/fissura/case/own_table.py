@@ -1,7 +1,5 @@
 """Tables whose keys depend on a name: a law's constants, the dimensions of a shape."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any, ClassVar, Self

@@ -1,7 +1,5 @@
 """What all parts of a case share."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, Self
 

@@ -1,7 +1,5 @@
 """Places on the surface, and notches, as a case gives them."""
 
-from __future__ import annotations
-
 from typing import Any, Self
 
 from pydantic import Field, model_validator

@@ -1,7 +1,5 @@
 """Platens: rigid bodies between a specimen and what loads or supports it."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field

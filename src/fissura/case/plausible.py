@@ -1,7 +1,5 @@
 """Values that are allowed but look wrong: what a case alone can tell, before anything is built."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass

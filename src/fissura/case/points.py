@@ -1,7 +1,5 @@
 """The cases of a parameter study: one case with the values of some keys changed, point by point."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

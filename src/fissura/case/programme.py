@@ -1,7 +1,5 @@
 """Loading programmes as a case file writes them: gravity, control, stages; see `stages.py` for what follows."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Numbers of a case: the ranges in which they must lie, and defaults that follow from other keys."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Regions of a specimen, as a case lists them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 

@@ -1,7 +1,5 @@
 """One message for the user out of pydantic's list of errors."""
 
-from __future__ import annotations
-
 import difflib
 import re
 from collections.abc import Mapping

@@ -3,8 +3,6 @@
 It is looser than the reader: what it refuses is refused there, but not the other way round.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

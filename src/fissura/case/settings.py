@@ -1,7 +1,5 @@
 """How a case is computed, and what a run of it writes: spacing of nuclei, solver, output."""
 
-from __future__ import annotations
-
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator

@@ -1,7 +1,5 @@
 """Shapes of specimens, and what is taken away from them, as a case gives them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self

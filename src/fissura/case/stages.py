@@ -1,7 +1,5 @@
 """Stages of a loading programme with all that a case says elsewhere filled in: names, defaults, the table [control]."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """Types of the fields of a case: quantities, directions, files."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from numbers import Integral

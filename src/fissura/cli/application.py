@@ -1,7 +1,5 @@
 """The program ``fissura``: its commands together, and how it starts."""
 
-from __future__ import annotations
-
 import gc
 import os
 import sys

@@ -1,7 +1,5 @@
 """What commands share: errors as a message and an exit status, warnings, tables."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """The command ``fissura ensemble``."""
 
-from __future__ import annotations
-
 from contextlib import nullcontext
 from enum import StrEnum
 from pathlib import Path

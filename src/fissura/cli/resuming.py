@@ -1,7 +1,5 @@
 """What commands with many runs say when they end early: what is kept, and how to go on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType

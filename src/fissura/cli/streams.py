@@ -1,7 +1,5 @@
 """Standard output and error that never end a program: what nobody reads, or no disk has room for, is dropped."""
 
-from __future__ import annotations
-
 import errno
 import io
 from typing import Any

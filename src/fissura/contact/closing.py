@@ -4,8 +4,6 @@ Damage grows as in the published law. A contact that is pressed (``e_N < 0``) ha
 that the faces of a crack stay apart; there is no friction, shear keeps what damage has left of it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

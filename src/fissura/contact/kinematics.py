@@ -1,7 +1,5 @@
 """Strains of contacts and forces on bodies (theory section 1)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

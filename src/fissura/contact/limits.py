@@ -1,7 +1,5 @@
 """Every number of this room that decides something: what it limits, and why it has its size."""
 
-from __future__ import annotations
-
 #: Share of the stiffness that is left to a broken contact, so that loose bodies keep a position.
 INTACT_SHARE = 1e-9
 

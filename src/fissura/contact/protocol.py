@@ -1,7 +1,5 @@
 """What a contact law is to everything outside this room."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import ClassVar, Protocol, Self
 

@@ -1,7 +1,5 @@
 """One law with several materials: contacts of each kind are a set of their own."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Tractions, damage and tangent of contacts under the law of Cusatis & Cedolin (theory section 3)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.contact.limits import INTACT_SHARE

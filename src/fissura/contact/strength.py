@@ -1,7 +1,5 @@
 """Both strength surfaces of the law of Cusatis & Cedolin, and where they meet (theory section 3)."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.optimize import brentq
 

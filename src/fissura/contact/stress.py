@@ -1,7 +1,5 @@
 """Average stress in bodies (theory section 4)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray

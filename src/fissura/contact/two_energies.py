@@ -4,8 +4,6 @@ Softening is the sum of two exponentials, which have the same energy in all as t
 specimens depends on the initial fracture energy, the tail of their curves on the total one.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Annotated, ClassVar

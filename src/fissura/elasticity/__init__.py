@@ -3,5 +3,3 @@
 Modules are imported where they are used. What a case needs is in :mod:`fissura.case.macroscopic`, and needs none of
 them.
 """
-
-from __future__ import annotations

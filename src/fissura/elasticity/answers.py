@@ -1,7 +1,5 @@
 """Answers of the command `fissura elastic` as rows of tables, files and pictures."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What the command `fissura elastic` is asked for, read from what users write."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from fissura.case.ranges import BULK_MODULI, ENERGIES, LENGTHS, MODULI, STRENGTHS, Range, between

@@ -5,8 +5,6 @@ Displacements are ``u = eps x + w`` with a fluctuation w that is the same for al
 the fluctuation, and equilibrium of the bodies determines the fluctuation.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse import csr_array
 

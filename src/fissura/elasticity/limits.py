@@ -1,7 +1,5 @@
 """Every number of this room that decides something: what it limits, and why it has its size."""
 
-from __future__ import annotations
-
 #: Sizes of cells and prisms in ``l_min``: smaller ones have bodies that touch themselves, larger ones take gigabytes.
 SMALLEST, LARGEST = 4.0, 20.0
 

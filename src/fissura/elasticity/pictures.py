@@ -1,7 +1,5 @@
 """Pictures of a study: constants against `alpha`, and against the size of bodies."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -5,8 +5,6 @@ load is spread evenly over the other, and all sides are free. So the layer of bi
 one body thick, is in the numbers.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any

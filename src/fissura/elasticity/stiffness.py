@@ -1,7 +1,5 @@
 """Stiffness tensors as 6x6 matrices: isotropic part, anisotropy, engineering constants."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -8,8 +8,6 @@ has means and scatter of prisms; they depend on shape, on `alpha` and on brittle
 This module needs nothing but the standard library, as :mod:`fissura.case.macroscopic` does.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cache, cached_property

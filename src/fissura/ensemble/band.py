@@ -1,7 +1,5 @@
 """Mean curve of an ensemble with its percentile band."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Mapping, Sequence

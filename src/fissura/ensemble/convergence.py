@@ -1,7 +1,5 @@
 """How sure the mean and the scatter of an ensemble are, and how that grows with the number of runs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

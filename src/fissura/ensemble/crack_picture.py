@@ -1,7 +1,5 @@
 """Picture of where cracks started in the runs of an ensemble."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Picture of all curves of an ensemble, with their mean and percentiles."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

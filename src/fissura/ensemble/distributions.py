@@ -7,8 +7,6 @@ follow the distribution of smallest extremes. For estimates ``a, b`` of location
 bootstrap's own noise, for small samples, too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What moves on the page of an ensemble: its curves, and its specimen in 3D with the places where cracks started."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from html import escape

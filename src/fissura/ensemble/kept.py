@@ -1,7 +1,5 @@
 """What the folder of an ensemble holds, whatever has happened to it since: nothing in it makes the rest unreadable."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

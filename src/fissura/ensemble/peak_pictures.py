@@ -1,7 +1,5 @@
 """Pictures of the peak loads of an ensemble: histogram, probability plots, convergence."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

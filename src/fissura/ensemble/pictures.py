@@ -1,7 +1,5 @@
 """Pictures of an ensemble's page: what draws each, its caption, and what it shows."""
 
-from __future__ import annotations
-
 from fissura.ensemble.crack_picture import plot_crack_starts
 from fissura.ensemble.curve_picture import plot_curves
 from fissura.ensemble.peak_pictures import plot_convergence, plot_papers, plot_peaks

@@ -1,7 +1,5 @@
 """The plan of an ensemble from what a user asks for: arguments first, then the table ``[ensemble]`` of the case."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any

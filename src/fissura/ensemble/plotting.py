@@ -1,7 +1,5 @@
 """Curves of an ensemble, or columns of its table of runs, in axes of matplotlib."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Live progress over the runs of an ensemble."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One page about an ensemble: ``report.html``, which needs no other file and no network."""
 
-from __future__ import annotations
-
 import base64
 import math
 import os

@@ -1,7 +1,5 @@
 """Streams of random numbers of an ensemble, all from its one seed."""
 
-from __future__ import annotations
-
 import numpy as np
 
 NUCLEI, FIELD, STRATA, RESAMPLING = 0, 1, 2, 3

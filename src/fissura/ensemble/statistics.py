@@ -1,7 +1,5 @@
 """What the numbers of an ensemble say: scatter, distributions, sureness."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

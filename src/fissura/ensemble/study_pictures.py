@@ -1,7 +1,5 @@
 """Pictures of a parameter study: curves by value, and peak loads over each varied key."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import groupby
 from typing import Any

@@ -1,7 +1,5 @@
 """The table of all runs of an ensemble: ``runs.csv`` and ``runs.parquet``."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

@@ -1,7 +1,5 @@
 """One run of an ensemble, and the words by which an ensemble is asked for."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Equilibrium: equations of one discretization, Newton and secant under indirect control."""
 
-from __future__ import annotations
-
 from fissura.equilibrium.attach import attach
 from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.leg import Leg

@@ -1,7 +1,5 @@
 """Attaching supports, loads and gauges to the bodies that own their points (theory section 6)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -7,8 +7,6 @@ less, with the modulus of elasticity kept; Poisson's ratio falls with that. And 
 continuum with the macroscopic modulus does over its area.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray

@@ -1,7 +1,5 @@
 """The equation that, added to equilibrium, tells how far along its path a structure goes in a step."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Equations of a step: states on the way to equilibrium, how far they are from it, and corrections of them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -3,8 +3,6 @@
 Where no script is named, results do not depend on the number within wide bounds; what bounds them is said.
 """
 
-from __future__ import annotations
-
 # Supports, platens and loose bodies
 
 #: Supports are this many times stiffer than a typical contact, times the bodies that they hold. The structure resists a

@@ -1,7 +1,5 @@
 """What solvers keep from one step to the next: it decides the last bits of what they find."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from fissura.arrays import FloatArray

@@ -6,8 +6,6 @@ Steihaug 1982). Where it fails, bursts of corrections with a mixture of tangent 
 further attempts.
 """
 
-from __future__ import annotations
-
 import logging
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ value; the energy dissipated always grows, and takes over until the gauge grows 
 Verhoosel, Remmers & Gutierrez 2009).
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from dataclasses import dataclass, replace

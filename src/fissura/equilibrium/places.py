@@ -1,7 +1,5 @@
 """Whether loads and gauges can do anything, given the bodies that own their places."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray

@@ -4,8 +4,6 @@ A contact reaches from the nucleus of a body to the surface: in uniform strain i
 that a platen on a whole face passes the patch test.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

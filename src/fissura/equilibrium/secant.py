@@ -1,7 +1,5 @@
 """The secant stiffness that is prepared for solution, and how much of it contacts had left then."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray

@@ -1,7 +1,5 @@
 """States of equilibrium, and the one that damage as it is has at a value of the controlled quantity."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

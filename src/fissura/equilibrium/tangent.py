@@ -5,8 +5,6 @@ stiffness was prepared. These are few, and so are the iterations that they cost;
 Newton iterations and steps.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray

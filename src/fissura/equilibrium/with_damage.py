@@ -1,7 +1,5 @@
 """Compiled operations on the contacts with damage among all contacts."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray

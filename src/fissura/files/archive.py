@@ -1,7 +1,5 @@
 """NumPy archives with a format name and version, and without pickled objects."""
 
-from __future__ import annotations
-
 import io
 import zipfile
 import zlib

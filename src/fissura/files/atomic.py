@@ -1,7 +1,5 @@
 """Files that are there as a whole or not at all, whatever ends the program or the machine."""
 
-from __future__ import annotations
-
 import errno
 import json
 import math

@@ -1,7 +1,5 @@
 """One run at a time in a folder: a lock that vanishes with its process, however that ends."""
 
-from __future__ import annotations
-
 import errno
 import os
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Frozen dataclasses as text and arrays, and back, without pickles: new fields need nothing here."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Files of tables, TOML or JSON: what is too large, too deep or no table is refused with its cause."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

@@ -1,7 +1,5 @@
 """Reading text files that a user names: cases, studies, measured loads, nuclei."""
 
-from __future__ import annotations
-
 import codecs
 import stat
 from pathlib import Path

@@ -5,8 +5,6 @@ end the process; it also takes a function for unchanged as long as its own file 
 and processes that need the same function compile it each.
 """
 
-from __future__ import annotations
-
 import functools
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Files of compiled functions: what numba's dispatchers ask of a cache."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import hashlib

@@ -3,8 +3,6 @@
 A claim is a lock of the system on a file beside that of the function, so that it vanishes with its process.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import time

@@ -1,7 +1,5 @@
 """Processes that compile what every run needs, while the first run goes on and compiles what it needs first."""
 
-from __future__ import annotations
-
 import atexit
 import contextlib
 import os

@@ -1,7 +1,5 @@
 """What the processes do that `Helpers` starts: they compile what every run needs."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import sys

@@ -4,8 +4,6 @@ The list, ``known.json``, is written by ``benchmarks/kernels.py``. Helpers compi
 not on it, or with other types, is compiled when it is called.
 """
 
-from __future__ import annotations
-
 import functools
 import gc
 import importlib

@@ -1,7 +1,5 @@
 """Every number of this room that decides something: what it limits, and why it has its size."""
 
-from __future__ import annotations
-
 #: Helpers that share the work well: more would wait for each other.
 MOST_HELPERS = 3
 

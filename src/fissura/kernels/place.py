@@ -1,7 +1,5 @@
 """Folder of compiled functions: the best one of those that can be written to."""
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import os

@@ -1,7 +1,5 @@
 """Compiled functions that Python runs as long as their work is small: compiling, or loading, would take longer."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable
 from types import FunctionType

@@ -1,7 +1,5 @@
 """Digest of what decides the machine code of a function, so that changes are noticed."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What the process knows of compiled functions: their folder, and what it has told the user."""
 
-from __future__ import annotations
-
 import functools
 import logging
 from pathlib import Path

@@ -5,8 +5,6 @@ enter the hierarchy softened: they are five orders stiffer than contacts and cou
 would double or triple the iterations. Conjugate gradients see the matrix as it is.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse import bsr_matrix
 

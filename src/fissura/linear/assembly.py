@@ -1,7 +1,5 @@
 """Assembly of stiffness matrices into a fixed pattern of 6x6 blocks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 

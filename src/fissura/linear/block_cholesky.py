@@ -1,7 +1,5 @@
 """Incomplete Cholesky factors, without fill, of symmetric matrices of 6x6 blocks."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

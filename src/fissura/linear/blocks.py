@@ -1,7 +1,5 @@
 """Lower block triangles of symmetric matrices."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

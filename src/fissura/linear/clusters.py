@@ -1,7 +1,5 @@
 """Clusters of neighbouring bodies that hold together."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rigid motions of clusters of bodies: the coarse unknowns of the two-level solver."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.sparse import csr_array
 

@@ -1,7 +1,5 @@
 """Direct solver for the coarse matrices of the two-level solver, whose pattern changes with the clusters."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Direct sparse solvers; the symbolic work is done once per pattern."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 

@@ -5,8 +5,6 @@ solutions of the domains are then independent of each other, and the tail follow
 the number of bodies alone, never on that of threads, so results are the same whatever the machine.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import BoolArray, IntArray

@@ -3,8 +3,6 @@
 Threaded vector operations of general libraries wait for each other longer than they work on vectors of this size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

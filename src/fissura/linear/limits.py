@@ -3,8 +3,6 @@
 Where no other script is named, that is `benchmarks/linear_solvers.py`. Kernels take theirs by name.
 """
 
-from __future__ import annotations
-
 # Which solver, and how exact
 
 #: From this number of bodies on the two-level solver is chosen. For one elastic solution the two cross between 500 and

@@ -3,8 +3,6 @@
 These would take as much memory again as all else that an iterative solution needs.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray

@@ -1,7 +1,5 @@
 """Transfer between bodies and the rigid motions of their clusters, for some bodies at a time."""
 
-from __future__ import annotations
-
 from numpy import zeros
 
 from fissura.kernels import njit

@@ -1,7 +1,5 @@
 """What `simd` does, in sums that numba compiles as it finds best, and without hints to load blocks in time."""
 
-from __future__ import annotations
-
 from fissura.kernels import njit
 from fissura.linear.limits import FAST
 

@@ -4,8 +4,6 @@ Vector instructions need llvmlite as it is written for, with pointers that have 
 Results then differ by round-off.
 """
 
-from __future__ import annotations
-
 import os
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What linear solvers have in common: preparation for a matrix apart from solution."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 from fissura.arrays import FloatArray

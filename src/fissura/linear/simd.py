@@ -4,8 +4,6 @@ Loops over six numbers are too short for the compiler to turn into vector instru
 such. Sums may be taken in any order, always the same one in one build.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from llvmlite import ir

@@ -1,7 +1,5 @@
 """Solvers for symmetric positive definite matrices: by name, and the one that suits the size of a structure."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 

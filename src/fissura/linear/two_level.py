@@ -6,8 +6,6 @@ not reach across broken contacts, so cracks do not slow it down. Supports that h
 in the matrix and in the coarse space exactly; only the incomplete factor leaves them out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

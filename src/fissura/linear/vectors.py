@@ -1,7 +1,5 @@
 """What conjugate gradients do with vectors of six numbers for each body, for some bodies at a time."""
 
-from __future__ import annotations
-
 from fissura.kernels import njit
 from fissura.linear.limits import ANY_ORDER
 

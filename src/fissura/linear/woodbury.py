@@ -1,7 +1,5 @@
 """Direct solution of matrices with a part of low rank that is not factorized (Woodbury 1950)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

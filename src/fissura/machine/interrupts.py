@@ -1,7 +1,5 @@
 """Ending a run from outside: Ctrl-C, a terminal that closes, and every other signal that can be caught."""
 
-from __future__ import annotations
-
 import signal
 import threading
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Work shared by threads in fixed pieces, so that results do not depend on how many threads there are."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """Memory that this machine has, and what to say where it does not suffice."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How many threads a process uses: environment variables that limit them, for processes that run side by side."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager

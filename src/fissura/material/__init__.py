@@ -1,7 +1,5 @@
 """Material: parameters of the contact law, regions that stay elastic, the random field."""
 
-from __future__ import annotations
-
 from fissura.material.field import field_from_case
 from fissura.material.parameters import Material, material_from_case
 from fissura.material.regions import Regions, check_not_everywhere, elastic_from_case

@@ -1,7 +1,5 @@
 """Materials that differ from part to part of a specimen, and what a contact between two of them is made of."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Animation of a run: bodies grow finer, the crack opens, and the curve grows beside them."""
 
-from __future__ import annotations
-
 import errno
 import logging
 import os

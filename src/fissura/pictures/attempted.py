@@ -1,7 +1,5 @@
 """Drawing that may fail without an end to the run; Matplotlib, which takes long to import, is not needed for it."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from typing import TypeVar

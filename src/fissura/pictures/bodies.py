@@ -1,7 +1,5 @@
 """Bodies and cracks of a run at any step, in axes of matplotlib."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 

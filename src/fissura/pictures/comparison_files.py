@@ -1,7 +1,5 @@
 """Files that comparisons are written to: their numbers, and pictures of them."""
 
-from __future__ import annotations
-
 import csv
 import io
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Picture of the cracks: the specimen from its side, contacts coloured by their opening."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

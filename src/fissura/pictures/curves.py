@@ -1,7 +1,5 @@
 """Pictures of load-gauge curves: one run, or two compared."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

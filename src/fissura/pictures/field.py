@@ -1,7 +1,5 @@
 """Picture of the random field of a run: slices, colours of bodies, and the marginal distribution with its tail."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Figures of several panels, side by side and one row below the other."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes

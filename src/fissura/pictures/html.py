@@ -1,7 +1,5 @@
 """What a notebook shows of results and comparisons: key numbers, warnings, and curves as a picture in the page."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from collections.abc import Iterable
 from html import escape

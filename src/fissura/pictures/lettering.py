@@ -1,7 +1,5 @@
 """Text in pictures: what users wrote stands there letter by letter, and lines end before they meet something."""
 
-from __future__ import annotations
-
 import io
 import re
 import warnings

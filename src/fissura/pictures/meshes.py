@@ -1,7 +1,5 @@
 """Bodies and cracks of a step as PyVista meshes; needs the extra ``view``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

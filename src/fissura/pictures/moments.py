@@ -1,7 +1,5 @@
 """Bodies and crack at four moments of a run beside its curve, and of two runs beside each other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Panels beside views of the specimen: the curve, and what the colours mean."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Any column of the curve over any other, in axes of matplotlib."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """PyVista, which the extra ``view`` brings: loading it, windows, pictures of views, polygons as meshes."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

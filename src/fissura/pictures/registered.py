@@ -1,7 +1,5 @@
 """Pictures that pages show by name: those of Fissura, of other packages, and of the running program."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """A step of a run in three dimensions: cracks inside the skin of the bodies; needs the extra ``view``."""
 
-from __future__ import annotations
-
 import warnings
 from typing import Any
 

@@ -1,7 +1,5 @@
 """One view of a specimen on the x-y plane: bodies, cracks and symbols, at any step of a run."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """What holds, loads and measures a specimen, as pictures of it show it: signs at places, platens as plates, names."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

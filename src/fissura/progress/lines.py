@@ -1,7 +1,5 @@
 """A line that tells how far something is and changes in place: in a terminal, or below the cell of a notebook."""
 
-from __future__ import annotations
-
 import time
 from html import escape
 from importlib import import_module

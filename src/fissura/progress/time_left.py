@@ -1,7 +1,5 @@
 """How long a run still takes: told only where its pace has been steady, for a wrong time is worse than none."""
 
-from __future__ import annotations
-
 from bisect import bisect_right
 
 _WINDOWS = (1.0, 0.6, 0.3, 0.15)

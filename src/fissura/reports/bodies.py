@@ -4,8 +4,6 @@ Drawn are the faces of bodies on the surface of the specimen, and the contacts w
 of sight anyway. Positions are kept in 16 bits for each axis, displacements in 16 bits of the largest of a step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any
 

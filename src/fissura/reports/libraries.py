@@ -1,7 +1,5 @@
 """The JavaScript libraries that a page brings along, with their licences; the extra ``report`` installs them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module, metadata

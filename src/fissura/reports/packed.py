@@ -1,7 +1,5 @@
 """Data for a page: JSON with arrays, compressed, as text that HTML need not escape."""
 
-from __future__ import annotations
-
 import base64
 import json
 import math

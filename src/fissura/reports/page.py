@@ -1,7 +1,5 @@
 """What pages have in common: templates, style, libraries, data."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The 3D view of a page: what K3D draws, and what the page's JavaScript puts into it step by step."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Sequence
 from importlib import import_module

@@ -1,7 +1,5 @@
 """What two runs have in common: over what their loads can be compared, and in what their specimens differ."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """Comparison of two runs: how far an adaptive run is from its reference, and what it saved."""
 
-from __future__ import annotations
-
 import logging
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The load-gauge curve as columns, written to ``curve.csv`` one row per accepted step."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

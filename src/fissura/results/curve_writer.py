@@ -1,7 +1,5 @@
 """``curve.csv``, written one row after another."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os

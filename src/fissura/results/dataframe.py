@@ -1,7 +1,5 @@
 """Curves as tables of pandas, where that is installed."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from importlib import import_module
 from typing import Any

@@ -1,7 +1,5 @@
 """How much of a run is done, as one number that never falls."""
 
-from __future__ import annotations
-
 from fissura.case import Case
 
 

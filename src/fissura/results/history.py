@@ -4,8 +4,6 @@ A whole state is some megabytes, and a run has a hundred of them. The section ne
 its lines are the same on all steps of a discretization, and a picture needs single precision only.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Measured load bands or curves: to show next to a computed curve, and to calibrate to."""
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Mapping, Sequence

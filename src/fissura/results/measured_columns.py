@@ -1,7 +1,5 @@
 """What the columns of a file of measured loads are: names and units, from its header or as they are told."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What the loads and gauges of a case are called in pictures, tables and progress, and columns by users."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Sequence
 

@@ -1,7 +1,5 @@
 """What looks wrong in the curve of a run: a load that turned round, places that broke, refinement that came late."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -1,7 +1,5 @@
 """Bodies as polyhedra, gathered from the polygons of their contacts and surface facets."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

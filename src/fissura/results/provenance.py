@@ -1,7 +1,5 @@
 """Where numbers come from: which program, on which machine, when."""
 
-from __future__ import annotations
-
 import json
 import platform
 import subprocess

@@ -1,7 +1,5 @@
 """What there is of a run, in memory or in its folder, and the numbers that follow from it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Section of a structure by a plane of constant z: outlines of bodies, and the lines where their contacts cross it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """States as ``.npz``, to be looked at again without running: the last one, and others that were saved."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

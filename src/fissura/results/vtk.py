@@ -1,7 +1,5 @@
 """Files for ParaView: bodies as polyhedra, contacts as polygons, and time series of both."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """VTK's XML files of unstructured grids, compressed binary, written array by array."""
 
-from __future__ import annotations
-
 import sys
 import zlib
 from collections.abc import Mapping

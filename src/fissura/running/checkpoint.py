@@ -1,7 +1,5 @@
 """All that a run goes on from, as ``checkpoint.npz``."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields

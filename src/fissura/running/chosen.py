@@ -1,7 +1,5 @@
 """States that are written for ParaView: evenly over the run, that of the peak load, and the last one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Running a case from Python."""
 
-from __future__ import annotations
-
 import logging
 import sys
 from collections.abc import Callable, Iterable, Mapping

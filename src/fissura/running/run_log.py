@@ -1,7 +1,5 @@
 """The log of a run, ``run.log``: what was run with what, its steps and refinements, warnings, and how it ended."""
 
-from __future__ import annotations
-
 import logging
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Writing a result folder as a whole: from results in memory, or from another folder."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A state of equilibrium that the criterion leaves as it is: the end of a step."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

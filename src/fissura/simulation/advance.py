@@ -1,7 +1,5 @@
 """A step of a run: equilibrium, criterion, refinement, the same step again (theory section 5)."""
 
-from __future__ import annotations
-
 import logging
 import time
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What a case says of a specimen before any body is placed: it is read in an instant, and most mistakes show here."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from fissura.case import Case, case_notices

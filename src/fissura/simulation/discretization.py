@@ -1,7 +1,5 @@
 """The specimen of a run as it is discretized: equations that change with the refined region."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

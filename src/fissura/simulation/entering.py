@@ -1,7 +1,5 @@
 """How a run enters a leg of its loading programme, and what its legs must be able to do."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every number of this room that decides something: what it limits, and why it has its size."""
 
-from __future__ import annotations
-
 # Legs of the loading programme
 
 #: Steps of a leg to a share of a load as long as it unloads, else to a share or to zero, and of the weight, and what is

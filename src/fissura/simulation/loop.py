@@ -3,8 +3,6 @@
 It yields accepted steps and knows no files.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Memory that runs need, by their number of bodies."""
 
-from __future__ import annotations
-
 from fissura.case import Case
 from fissura.case.plausible import suspect
 from fissura.errors import InputError

@@ -1,7 +1,5 @@
 """The unloaded structure, from which a run starts."""
 
-from __future__ import annotations
-
 import logging
 
 import numpy as np

@@ -1,7 +1,5 @@
 """All that decides how a run goes on, as data: what a run may be continued from, bit for bit."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from fissura.adaptivity import Layout

@@ -1,7 +1,5 @@
 """What may go wrong while a run computes, and what is said of it then."""
 
-from __future__ import annotations
-
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

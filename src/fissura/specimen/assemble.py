@@ -1,7 +1,5 @@
 """From cells to a complex: how the faces in each plane meet, and all of it in arrays."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass

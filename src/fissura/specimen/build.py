@@ -1,7 +1,5 @@
 """From a case to its specimen."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

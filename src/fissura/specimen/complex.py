@@ -1,7 +1,5 @@
 """A specimen as a complex of convex cells, in arrays that compiled kernels read."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fissura.arrays import BoolArray, FloatArray, IntArray

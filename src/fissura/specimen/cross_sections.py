@@ -1,7 +1,5 @@
 """Plane sections of a domain: the smallest one, and outlines for pictures."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 

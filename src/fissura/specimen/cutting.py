@@ -5,8 +5,6 @@ plane through the front across the notch, a nucleus may own material on its own 
 nothing changes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A specimen: convex cells, named surfaces, notches."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Forces near edges of faces and mouths of notches, which may tear out single bodies."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

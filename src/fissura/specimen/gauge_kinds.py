@@ -1,7 +1,5 @@
 """Gauges: what each kind of them measures on the surface of a specimen."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.case import Gauge, Patch

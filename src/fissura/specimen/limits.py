@@ -4,8 +4,6 @@ Where nothing is named, results do not depend on the number within wide bounds; 
 coordinates is 1e-16 of the distance from the origin, up to `FARTHEST` times the size of a specimen.
 """
 
-from __future__ import annotations
-
 # Round-off
 
 #: Of the extent of the whole: lengths below it are round-off. Planes nearer to each other are one, and so are corners.

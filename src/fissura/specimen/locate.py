@@ -1,7 +1,5 @@
 """Which convex cell holds a point."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray

@@ -1,7 +1,5 @@
 """Notches as they were cut, and as they are to be cut."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

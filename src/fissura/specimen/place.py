@@ -1,7 +1,5 @@
 """Places on the surface: points, lines, strips and whole surfaces, sampled by points with weights and normals."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Planes by identity: two that differ by round-off only are one."""
 
-from __future__ import annotations
-
 from typing import TypeAlias
 
 import numpy as np

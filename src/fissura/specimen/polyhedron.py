@@ -6,8 +6,6 @@ structure whatever round-off does to distances: the corners cut off are made one
 that stay, so the boundary between them is a single loop of edges and becomes the new facet.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import IntArray

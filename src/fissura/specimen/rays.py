@@ -1,7 +1,5 @@
 """Rays through the convex cells of a specimen: how far it is to the surface."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray

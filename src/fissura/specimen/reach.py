@@ -1,7 +1,5 @@
 """How far a notch reaches: the cells that it cuts, and those that get its rule of sides."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """Points with weights on lines and flat convex polygons, with which linear functions are integrated exactly."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray

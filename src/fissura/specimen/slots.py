@@ -1,7 +1,5 @@
 """Notches of a case: where they begin on a specimen, and where they go."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

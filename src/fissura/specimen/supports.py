@@ -1,7 +1,5 @@
 """Kinds of support: what of a place they hold at zero."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray

@@ -1,7 +1,5 @@
 """Points on named surfaces: which part is nearest, and what a name means."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A flat part of the surface of a specimen."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from fissura.arrays import FloatArray

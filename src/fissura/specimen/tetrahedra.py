@@ -1,7 +1,5 @@
 """Solids from conforming tetrahedra."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -5,8 +5,6 @@ Two bodies across a part leave its bending 12 % too soft and its twist 25 %, thr
 has a third of its stiffness (docs/verification.md, benchmarks/thin_parts.py).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Straight lines in which a plane across an axis meets the surface."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

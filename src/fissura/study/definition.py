@@ -1,7 +1,5 @@
 """What a study runs: specimens, seeds and variations of parameters, read from a TOML file."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """One run of a study, to its record."""
 
-from __future__ import annotations
-
 import time
 import traceback
 from typing import Any

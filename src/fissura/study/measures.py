@@ -12,8 +12,6 @@ are controlled) where loads are compared over them; where they are compared over
 fallen to the larger of the last loads.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass
 from typing import Any

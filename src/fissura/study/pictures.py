@@ -1,7 +1,5 @@
 """Pictures of a study: trade-off of error and cost, errors by specimen, indicators, places of cracks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Live progress over the runs of a study."""
 
-from __future__ import annotations
-
 from fissura.batch.progress import ManyProgress
 from fissura.progress.live import duration
 from fissura.study.definition import LoadedStudy, Task

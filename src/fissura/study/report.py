@@ -1,7 +1,5 @@
 """The result of a study as tables: every run as CSV, what they say together as Markdown."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

@@ -1,7 +1,5 @@
 """What many runs say together: errors by specimen and variation, indicators against true errors, places of cracks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The folder of a study: what is done, what is left to do."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Collection, Iterable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Tessellation: nuclei (placement, selection), Voronoi bodies and their contacts."""
 
-from __future__ import annotations
-
 from fissura.tessellation.discretize import discretize, tessellate
 from fissura.tessellation.footprint import footprint
 from fissura.tessellation.nuclei import Nuclei, nuclei_from_case

@@ -5,8 +5,6 @@ Where a piece in a convex cell borders on a nucleus that has no piece there whic
 clipped again. So every facet stays the bisector of its two nuclei.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import BoolArray, IntArray

@@ -4,8 +4,6 @@ Each body is a function of its own surroundings only. It begins in the convex ce
 piece reaches an open face, the body goes on in the cell behind.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.kernels import INNER, njit

@@ -1,7 +1,5 @@
 """Compiled positions of corners: the same, bit for bit, for all bodies that share them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.kernels import INNER, njit

@@ -1,7 +1,5 @@
 """From selected nuclei to bodies, contacts and surface facets."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray, IntArray

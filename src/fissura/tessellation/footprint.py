@@ -1,7 +1,5 @@
 """What of the surface of bodies lies under a part of the specimen's surface."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Points sorted into the cells of a grid, for compiled searches."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ Results do not depend on these numbers within wide bounds; what bounds them is s
 volumes, areas and shared corners with exact ones.
 """
 
-from __future__ import annotations
-
 # Placement
 
 #: Halvings of voxels, at most: voxels are then 6e-8 of a grid cell, and gaps that are left smaller than that.

@@ -1,7 +1,5 @@
 """Compiled sums over polygons, facets and bodies."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which body owns a point of the specimen."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Random sequential placement in a periodic cube, to true saturation as in a specimen (theory section 1)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray

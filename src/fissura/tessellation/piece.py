@@ -5,8 +5,6 @@ first at equal distance, until the next nucleus is more than twice as far as the
 leave no trace in the result, not even in its last bit.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.kernels import INNER, njit

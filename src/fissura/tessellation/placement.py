@@ -5,8 +5,6 @@ trials become rare hits the voxels are divided by eight and the covered ones dro
 of the specimen can then take another nucleus. Voxels that faces of the specimen cut count by their parts inside.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray

@@ -1,7 +1,5 @@
 """Compiled operations on planar convex polygons."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import FloatArray, IntArray

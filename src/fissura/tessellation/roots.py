@@ -4,8 +4,6 @@ The roots are voxels of one size that fill the bounds of the complex. Finer voxe
 their root, and with it the few planes that matter there.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Compiled search for the nuclei around a nucleus, nearest first."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.kernels import INNER, njit

@@ -1,7 +1,5 @@
 """Selection of nuclei for a refined region (theory section 5): one specimen at every resolution."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray, IntArray

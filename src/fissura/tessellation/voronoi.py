@@ -1,7 +1,5 @@
 """Voronoi cells of nuclei, restricted to a complex of convex cells; bodies that cannot have changed are kept."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Nuclei are sorted into a grid whose cells hold one at most. The grid has two mor
 125 cells around any point of the specimen can be looked up without regard to its ends, nearest first.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Quantities as short text for tables, messages and pictures."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Rows of name and value as plain lines, as commands print them and results show themselves."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 

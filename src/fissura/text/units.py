@@ -1,7 +1,5 @@
 """Units in names of columns, and those in which axes and pages show values; brings no large library."""
 
-from __future__ import annotations
-
 from math import inf
 
 SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {

@@ -1,7 +1,5 @@
 """Random field of strength and fracture energy: covariance, expansion, marginal distribution, realisation."""
 
-from __future__ import annotations
-
 from fissura.material.field.covariance import MODELS, Covariance, covariance_named
 from fissura.material.field.expansion import Expansion, expand
 from fissura.material.field.field import RandomField, field_from_case

@@ -9,8 +9,6 @@ Source: C. R. Dietrich, G. N. Newsam, *Fast and exact simulation of stationary G
 embedding of the covariance matrix*, SIAM J. Sci. Comput. 18 (1997) 1088-1107.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

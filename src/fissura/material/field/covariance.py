@@ -1,7 +1,5 @@
 """Covariance models: correlation as a function of the scaled distance ``d = |(x - y) / l|`` (theory section 8)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -3,8 +3,6 @@
 Source: C.-C. Li, A. Der Kiureghian, *Optimal discretization of random fields*, J. Eng. Mech. 119 (1993) 1136-1154.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which expansion represents a field, and on what grid."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from typing import Protocol

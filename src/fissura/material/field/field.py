@@ -1,7 +1,5 @@
 """A realisation of the random field: relative strength and fracture energy as functions of position."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache

@@ -4,8 +4,6 @@ Source: Z. P. Bažant, J.-L. Le, *Probabilistic Mechanics of Quasibrittle Struct
 Z. P. Bažant, J.-L. Le, Int. J. Fract. 154 (2008) 131-145.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Self
 

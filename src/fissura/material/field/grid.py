@@ -1,7 +1,5 @@
 """Regular grids over a box, the supports of all expansions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 `benchmarks/random_field.py` measures errors and costs of fields.
 """
 
-from __future__ import annotations
-
 # Grid, and which expansion
 
 #: Grid over correlation length, and by how much it shrinks while the variance error is too large.

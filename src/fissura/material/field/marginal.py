@@ -4,8 +4,6 @@ Each turns a standard Gaussian value into its own, ``H = F^-1(Phi(z))``, through
 both tails keep their digits however far out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, Self

@@ -1,7 +1,5 @@
 """The standard Gaussian distribution, far out in its tails, too."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.special import log_ndtr
 

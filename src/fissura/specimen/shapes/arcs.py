@@ -1,7 +1,5 @@
 """Round outlines as polygons: flat enough beside the bodies, and of the same area."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Polygons divided into few convex ones."""
 
-from __future__ import annotations
-
 import numpy as np
 import shapely
 

@@ -1,7 +1,5 @@
 """Specimens from tetrahedral meshes of other programs."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib.util
 import io

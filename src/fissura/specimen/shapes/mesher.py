@@ -1,7 +1,5 @@
 """Tetrahedra of surfaces and models of other programs, made by gmsh where the user has installed it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Boxes, round holes and prisms taken away from a specimen."""
 
-from __future__ import annotations
-
 from typing import TypeAlias
 
 import numpy as np

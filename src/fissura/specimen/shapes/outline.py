@@ -1,7 +1,5 @@
 """Outlines in the plane of x and y, extruded along z."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 

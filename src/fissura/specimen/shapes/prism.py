@@ -1,7 +1,5 @@
 """Boxes, convex prisms and cylinders: their half-spaces, and solids of one of them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
