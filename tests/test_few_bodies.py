@@ -11,7 +11,7 @@ from fissura.equilibrium import System
 from fissura.errors import InputError
 from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
-from fissura.tessellation import tessellate
+from fissura.tessellation.discretize import tessellate
 
 #: A pulled cube twice as large as its bodies.
 CUBE = {

@@ -11,11 +11,12 @@ from fissura.case import case_from_dict, case_notices
 from fissura.contact import CusatisCedolin, limits_from_case
 from fissura.equilibrium import System, settle
 from fissura.errors import InputError
-from fissura.material import Material, Materials, Regions, joined, material_from_case, materials_from_case
+from fissura.material import Material, Materials, Regions, material_from_case, materials_from_case
+from fissura.material.several import joined
 from fissura.simulation.discretization import Discretization
 from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
-from fissura.tessellation import tessellate
+from fissura.tessellation.discretize import tessellate
 
 LENGTH, SIDE = 0.1, 0.03
 RIGHT = {"type": "box", "lower": [0.5 * LENGTH, -1.0, -1.0], "upper": [1.0, 1.0, 1.0]}

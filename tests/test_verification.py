@@ -9,8 +9,8 @@ from scipy.sparse import csr_array
 from equilibrium.models import CONCRETE, affine, beam, beam_system, block, half_fine, random_rotation, random_symmetric
 from fissura.contact import CusatisCedolin, body_stress, contact_strains, kinematics, nodal_forces
 from fissura.equilibrium import System
-from fissura.linear import best_solver
 from fissura.linear.assembly import assemble, pattern
+from fissura.linear.direct import best_solver
 from fissura.specimen import conditions_from_case, domain_from_case
 from fissura.specimen.notches import Slot
 

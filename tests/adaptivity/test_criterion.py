@@ -10,7 +10,7 @@ from equilibrium.models import box_domain
 from fissura.adaptivity import ElasticState
 from fissura.case.registry import CRITERIA
 from fissura.errors import InputError
-from fissura.tessellation import tessellate
+from fissura.tessellation.discretize import tessellate
 
 X = np.array([[0.01, 0.02, 0.02], [0.05, 0.02, 0.02], [0.09, 0.02, 0.02]])
 

@@ -7,11 +7,13 @@ import pytest
 
 from equilibrium.models import CONCRETE, beam
 from fissura.contact import ClosingCusatisCedolin, CusatisCedolin
-from fissura.equilibrium import StepSolver, System, dissipation, prescribed, settle
+from fissura.equilibrium import StepSolver, System, dissipation, settle
+from fissura.equilibrium.constraint import prescribed
 from fissura.material import Material
 from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
-from fissura.tessellation import discretize, nuclei_from_case, tessellate
+from fissura.tessellation import discretize, nuclei_from_case
+from fissura.tessellation.discretize import tessellate
 
 SIDE, LENGTH = 0.04, 0.1
 TOUGH = Material.standard(CONCRETE.E, CONCRETE.alpha, CONCRETE.f_t, 10.0 * CONCRETE.G_t)  # no snap-back

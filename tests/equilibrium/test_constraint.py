@@ -7,8 +7,8 @@ import pytest
 
 from equilibrium.models import beam_system
 from fissura.contact import contact_strains
-from fissura.equilibrium import Constraint, StepSolver, dissipating, dissipation, prescribed, settle
-from fissura.equilibrium.constraint import holding
+from fissura.equilibrium import StepSolver, dissipation, settle
+from fissura.equilibrium.constraint import Constraint, dissipating, holding, prescribed
 
 
 @pytest.fixture(scope="module")

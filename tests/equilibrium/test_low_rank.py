@@ -6,8 +6,9 @@ from scipy.sparse import csr_array
 
 from equilibrium.models import beam, beam_system, secant_entries, tangent_entries
 from fissura.equilibrium import limits, settle
-from fissura.linear import SOLVERS, SingularMatrixError
+from fissura.linear import SingularMatrixError
 from fissura.linear.blocks import held_bodies
+from fissura.linear.direct import SOLVERS
 from fissura.linear.low_rank import LowRank
 from fissura.linear.two_level import TwoLevel
 

@@ -9,13 +9,13 @@ import pytest
 from equilibrium.models import BEAM, CONCRETE, beam, beam_system, changed, elastic_contacts, half_fine, secant_entries
 from fissura.case import case_from_dict
 from fissura.contact import CusatisCedolin
-from fissura.equilibrium import StepSolver, System, prescribed, settle
-from fissura.equilibrium.constraint import Constraint
+from fissura.equilibrium import StepSolver, System, settle
+from fissura.equilibrium.constraint import Constraint, prescribed
 from fissura.equilibrium.corrections import StepEquations
 from fissura.equilibrium.newton import _Search
 from fissura.linear import SingularMatrixError
 from fissura.specimen import conditions_from_case, domain_from_case
-from fissura.tessellation import tessellate
+from fissura.tessellation.discretize import tessellate
 
 YIELD = CONCRETE.f_t / CONCRETE.E
 LENGTH, SIDE = 0.02, 0.03

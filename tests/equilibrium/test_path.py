@@ -16,7 +16,7 @@ from fissura.errors import RunStopped
 from fissura.material import Material
 from fissura.simulation.loop import Simulation
 from fissura.specimen import conditions_from_case, domain_from_case
-from fissura.tessellation import tessellate
+from fissura.tessellation.discretize import tessellate
 
 # --- choosing ------------------------------------------------------------------------------------------------------
 

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from equilibrium.models import beam, beam_system, secant_entries, tangent_entries
-from fissura.equilibrium import StepSolver, limits, prescribed, settle
-from fissura.equilibrium.constraint import Constraint
+from fissura.equilibrium import StepSolver, limits, settle
+from fissura.equilibrium.constraint import Constraint, prescribed
 from fissura.equilibrium.tangent import TangentSolver
-from fissura.linear import SingularMatrixError, best_solver
+from fissura.linear import SingularMatrixError
+from fissura.linear.direct import best_solver
 
 CASE = beam(discretization={"l_f": 0.006, "l_c": 0.012})
 VALUE = 6e-6

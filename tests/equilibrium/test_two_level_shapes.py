@@ -8,8 +8,8 @@ from scipy.sparse import csr_array
 
 from equilibrium.models import beam, beam_system, secant_entries
 from fissura.adaptivity import RefinedRegion
-from fissura.linear import best_solver
 from fissura.linear.assembly import assemble, pattern
+from fissura.linear.direct import best_solver
 from fissura.linear.two_level import TwoLevel
 
 

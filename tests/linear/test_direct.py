@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from equilibrium.models import beam_system, half_fine, secant_entries, tangent_entries
-from fissura.linear import SOLVERS, SingularMatrixError, best_solver
+from fissura.linear import SingularMatrixError
+from fissura.linear.direct import SOLVERS, best_solver
 
 NAMES = sorted(SOLVERS)
 

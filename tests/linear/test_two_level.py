@@ -3,13 +3,14 @@ import pytest
 from scipy.sparse import coo_array
 
 from equilibrium.models import beam, beam_system, half_fine, secant_entries
-from fissura.linear import SingularMatrixError, best_solver
+from fissura.linear import SingularMatrixError
 from fissura.linear import coarse_solver as module
 from fissura.linear.assembly import pattern
 from fissura.linear.block_cholesky import IncompleteCholesky
 from fissura.linear.blocks import held_bodies, lower_blocks, multiply, term_sizes
 from fissura.linear.clusters import bisected, body_weights, connected, intact
 from fissura.linear.coarse import CoarseSpace
+from fissura.linear.direct import best_solver
 from fissura.linear.symmetric import SymmetricSolver
 from fissura.linear.two_level import TwoLevel
 
@@ -215,13 +216,18 @@ def test_the_preconditioner_is_symmetric_and_positive(sound):
     assert np.sum(x * smooth(y)) == pytest.approx(np.sum(y * smooth(x)), rel=1e-10)
 
 
+def clusters_of(solver):
+    """Cluster of each body."""
+    return solver._coarse.label[solver._lower.place]
+
+
 def test_clusters_do_not_reach_across_broken_contacts(sound):
     across, _ = middle(sound)
     solver = TwoLevel(sound.pattern, sound.tessellation.x, reference=secant_entries(sound, sound.virgin()))
     solver.factor(damaged(sound, np.where(across, 0.99, 0.0)), symmetric=True)
     b = sound.geometry.bodies[sound.damageable][across]
-    assert np.all(solver.cluster_of[b[:, 0]] != solver.cluster_of[b[:, 1]])
-    assert solver.cluster_of.max() + 1 == solver.clusters
+    assert np.all(clusters_of(solver)[b[:, 0]] != clusters_of(solver)[b[:, 1]])
+    assert clusters_of(solver).max() + 1 == solver.clusters
 
 
 def test_bodies_held_by_supports_have_their_own_clusters(sound):
@@ -230,7 +236,7 @@ def test_bodies_held_by_supports_have_their_own_clusters(sound):
     held = np.zeros(len(sound.tessellation), dtype=bool)
     held[sound.supports.dofs // 6] = True
     np.testing.assert_array_equal(held_bodies(sound.pattern), held)
-    assert not set(solver.cluster_of[held]) & set(solver.cluster_of[~held])
+    assert not set(clusters_of(solver)[held]) & set(clusters_of(solver)[~held])
 
 
 def test_bisection_makes_groups_of_equal_size():

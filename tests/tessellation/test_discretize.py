@@ -12,7 +12,8 @@ from fissura.errors import InputError
 from fissura.specimen import Domain
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.prism import box
-from fissura.tessellation import discretize, owners, tessellate
+from fissura.tessellation import discretize, owners
+from fissura.tessellation.discretize import tessellate
 
 from .build import L_F, NOTCHES, SHAPES, SIZE, box_with, discretized, nuclei_in, region, shape
 from .exact import check_all, check_closed, check_contacts, check_notch, check_patch, check_surface, check_volumes

@@ -12,7 +12,8 @@ from scipy.spatial import cKDTree
 from fissura.specimen import Domain
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.prism import box
-from fissura.tessellation import discretize, place
+from fissura.tessellation import discretize
+from fissura.tessellation.placement import place
 
 from .build import L_F, SHAPES, SIZE, box_with, expected_count, nuclei_in, shape
 

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from fissura.specimen import Domain, Solid
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.prism import box
-from fissura.tessellation import Nuclei, Tessellation, clipped, discretize, tessellate
+from fissura.tessellation import Nuclei, Tessellation, clipped, discretize
+from fissura.tessellation.discretize import tessellate
 
 from .build import L_F, box_with, nuclei_in, region, shape
 from .test_voronoi import IRREGULAR

@@ -1,26 +1,23 @@
 """Equilibrium: equations of one discretization, Newton and secant under indirect control."""
 
 from fissura.equilibrium.attach import attach
-from fissura.equilibrium.constraint import Constraint, dissipating, prescribed
 from fissura.equilibrium.leg import Leg
 from fissura.equilibrium.memory import SecantMemory, SolverMemory
 from fissura.equilibrium.newton import StepSolver
 from fissura.equilibrium.path import Goal, Leading, PathFollower
 from fissura.equilibrium.places import check_places
-from fissura.equilibrium.reactions import Reactions, reactions
+from fissura.equilibrium.reactions import reactions
 from fissura.equilibrium.response import Response, dissipation
 from fissura.equilibrium.settled import Equilibrium, UnmovedGaugeError, reach_of, settle
 from fissura.equilibrium.steps import StepLength
 from fissura.equilibrium.system import System
 
 __all__ = [
-    "Constraint",
     "Equilibrium",
     "Goal",
     "Leading",
     "Leg",
     "PathFollower",
-    "Reactions",
     "Response",
     "SecantMemory",
     "SolverMemory",
@@ -30,9 +27,7 @@ __all__ = [
     "UnmovedGaugeError",
     "attach",
     "check_places",
-    "dissipating",
     "dissipation",
-    "prescribed",
     "reach_of",
     "reactions",
     "settle",

@@ -1,6 +1,5 @@
 """Linear algebra of 6x6 blocks: assembly into a fixed pattern, direct and two-level solvers."""
 
-from fissura.linear.direct import SOLVERS, best_solver
 from fissura.linear.protocol import SingularMatrixError
 
-__all__ = ["SOLVERS", "SingularMatrixError", "best_solver"]
+__all__ = ["SingularMatrixError"]

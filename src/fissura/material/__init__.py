@@ -3,7 +3,7 @@
 from fissura.material.field import field_from_case
 from fissura.material.parameters import Material, material_from_case
 from fissura.material.regions import Regions, check_not_everywhere, elastic_from_case
-from fissura.material.several import Materials, joined, materials_from_case
+from fissura.material.several import Materials, materials_from_case
 
 __all__ = [
     "Material",
@@ -12,7 +12,6 @@ __all__ = [
     "check_not_everywhere",
     "elastic_from_case",
     "field_from_case",
-    "joined",
     "material_from_case",
     "materials_from_case",
 ]

@@ -1,10 +1,9 @@
 """Tessellation: nuclei (placement, selection), Voronoi bodies and their contacts."""
 
-from fissura.tessellation.discretize import discretize, tessellate
+from fissura.tessellation.discretize import discretize
 from fissura.tessellation.footprint import footprint
 from fissura.tessellation.nuclei import Nuclei, nuclei_from_case
 from fissura.tessellation.owners import Bodies, owners
-from fissura.tessellation.placement import place
 from fissura.tessellation.selection import select
 from fissura.tessellation.tessellation import Contacts, SurfaceFacets, Tessellation
 
@@ -18,7 +17,5 @@ __all__ = [
     "footprint",
     "nuclei_from_case",
     "owners",
-    "place",
     "select",
-    "tessellate",
 ]

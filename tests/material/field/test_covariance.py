@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
-from fissura.material.field import MODELS, covariance_named
-from fissura.material.field.covariance import matern
+from fissura.material.field import covariance_named
+from fissura.material.field.covariance import MODELS, matern
 
 D = np.concatenate([[0.0], np.geomspace(1e-6, 30.0, 200)])
 

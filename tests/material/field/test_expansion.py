@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from fissura.errors import InputError
-from fissura.material.field import covariance_named, expand
+from fissura.material.field import covariance_named
 from fissura.material.field.circulant import CirculantExpansion, local_error
 from fissura.material.field.eole import DenseExpansion
+from fissura.material.field.expansion import expand
 from fissura.material.field.separable import SeparableExpansion
 
 SIZE = (0.1, 0.04, 0.02)
