@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fissura.pictures.curves import BLUE, LIGHT, ORANGE, fill_measured, headline, legend, tidy
+from fissura.pictures.curves import BLUE, LIGHT, ORANGE, WIDE, fill_measured, headline, legend, tidy
 from fissura.pictures.grid import grid_of
 from fissura.results.load_path import NAMES
 from fissura.results.measured import MeasuredBand
@@ -16,8 +16,6 @@ from fissura.text.units import scale_of
 
 if TYPE_CHECKING:
     from fissura.calibration.result import Calibration, Fit
-
-WIDE = 7.2
 
 
 def plot_calibration(result: Calibration) -> Figure:

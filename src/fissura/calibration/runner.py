@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -39,7 +38,6 @@ from fissura.results.summary import FORMAT_VERSION, read_summary
 if TYPE_CHECKING:
     from distributed.deploy.cluster import Cluster
 
-_log = logging.getLogger(__name__)
 
 RUNS, RUNS_MORE = 40, 20
 """Runs at most, of each test, unless told otherwise and unless the first rounds need more; and how many more of each

@@ -98,13 +98,6 @@ def _contacts_of(bodies, first, adjacent):  # type: ignore[no-untyped-def]
             free[b] += 1
 
 
-def tangent_directions(normal: FloatArray) -> FloatArray:
-    """Two unit vectors m, l that complete each normal to a right-handed frame; (m, 3) -> (m, 2, 3)."""
-    out = np.empty((len(normal), 3, 3))
-    _frames(normal, out)
-    return out[:, 1:]
-
-
 def kinematics(tessellation: Tessellation) -> Kinematics:
     """Geometry of all contacts in the form that the kernels use."""
     x, contacts = tessellation.x, tessellation.contacts

@@ -6,10 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fissura.ensemble.result import EnsembleResult
-from fissura.pictures.curves import INK, LIGHT, ORANGE, headline, tidy
+from fissura.pictures.curves import INK, LIGHT, ORANGE, WIDE, headline, tidy
 from fissura.specimen import domain_from_case
-
-WIDE = 7.2
 
 
 def plot_crack_starts(result: EnsembleResult) -> Figure | None:

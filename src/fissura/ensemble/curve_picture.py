@@ -10,22 +10,11 @@ from matplotlib.figure import Figure
 from fissura.case import Case
 from fissura.ensemble.band import Band
 from fissura.ensemble.result import EnsembleResult
-from fissura.pictures.curves import (
-    BLUE,
-    INK,
-    LIGHT,
-    ORANGE,
-    fill_measured,
-    headline,
-    legend,
-    tidy,
-)
+from fissura.pictures.curves import BLUE, INK, LIGHT, ORANGE, WIDE, fill_measured, headline, legend, tidy
 from fissura.results.load_path import NAMES, LoadPath
 from fissura.results.measured import read_measured
 from fissura.results.names import load_name, value_axis
 from fissura.text.units import scale_of
-
-WIDE = 7.2
 
 
 def plot_curves(result: EnsembleResult) -> Figure | None:

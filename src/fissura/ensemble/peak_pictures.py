@@ -9,11 +9,10 @@ from matplotlib.figure import Figure
 from fissura.arrays import FloatArray
 from fissura.ensemble.distributions import GAUSSIAN, WEIBULL, Family, Fit, median_ranks
 from fissura.ensemble.result import EnsembleResult
-from fissura.pictures.curves import BLUE, INK, LIGHT, ORANGE, headline, legend, tidy
+from fissura.pictures.curves import BLUE, INK, LIGHT, ORANGE, WIDE, headline, legend, tidy
 from fissura.text import quantities as text
 from fissura.text.units import scale_of
 
-WIDE = 7.2
 COLOURS = {"Gaussian": BLUE, "Weibull": ORANGE}
 
 

@@ -12,13 +12,11 @@ from matplotlib.figure import Figure
 
 from fissura.ensemble.axes_of_values import ValueAxis, value_axis_of
 from fissura.ensemble.result import EnsembleResult
-from fissura.pictures.curves import INK, headline, legend, tidy
+from fissura.pictures.curves import INK, WIDE, headline, legend, tidy
 from fissura.pictures.grid import grid_of
 from fissura.pictures.lettering import literal
 from fissura.results.names import load_name, value_axis
 from fissura.text.units import scale_of
-
-WIDE = 7.2
 
 #: Points, and lines, that a legend names one by one, at most; and varied keys with a panel of their own.
 _NAMED, _PANELS = 12, 4

@@ -133,13 +133,6 @@ class TwoLevel:
         """Share of the bodies that belong to no domain."""
         return 1.0 - float(self._lower.bounds[-1]) / len(self._x)
 
-    @property
-    def cluster_of(self) -> IntArray:
-        """Cluster of each body, shape (n,)."""
-        out = np.empty(len(self._x), dtype=np.int64)
-        out[self._lower.order] = self._coarse.label
-        return out
-
     def factor(self, data: FloatArray, *, symmetric: bool) -> None:
         """Prepare the preconditioner for the matrix with these entries.
 

@@ -20,7 +20,7 @@ from fissura.text import quantities as text
 from fissura.text.units import scale_of
 
 BLUE, LIGHT, ORANGE, GREY, INK = "#1f4e79", "#8fb8dc", "#d1641b", "#c9ccd1", "#30343b"
-DPI = 160
+DPI, WIDE = 160, 7.2  # dots and width of pictures [per inch, inch]
 
 
 def plot_curve(result: Result, path: Path) -> None:
@@ -46,7 +46,7 @@ def plot_curve(result: Result, path: Path) -> None:
 
 def curve_figure(result: Result) -> Figure:
     """The figure that `plot_curve` writes."""
-    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
+    figure = Figure(figsize=(WIDE, 4.6), layout="constrained")
     axes = figure.add_subplot()
     measured = result.case.output.measured
     quantity = result.case.quantity if measured is None or result.case.main.gauge is None else "gauge"
