@@ -11,6 +11,7 @@ import numpy as np
 from fissura.arrays import FloatArray
 from fissura.batch.result import FolderResult
 from fissura.errors import InputError
+from fissura.files.atomic import plain
 from fissura.files.folder import FolderKind
 from fissura.files.tables import read_json
 from fissura.results.dataframe import frame
@@ -221,7 +222,7 @@ class Calibration(FolderResult):
         """
         data = asdict(self)
         del data["folder"]
-        return dict(_plain(data))
+        return dict(plain(data))
 
     def _rows(self) -> list[tuple[str, str]]:
         rows = [("calibration", self.name)]
@@ -316,13 +317,3 @@ class Calibration(FolderResult):
         from fissura.calibration.picture import plot_calibration
 
         return plot_calibration(self), self.name
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return value.item() if isinstance(value, np.generic) else value

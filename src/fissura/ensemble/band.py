@@ -1,16 +1,15 @@
 """Mean curve of an ensemble with its percentile band."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.case import Quantity
-from fissura.files.atomic import write_atomically
+from fissura.files.atomic import csv_bytes, write_atomically
 from fissura.results.curve import COLUMN_OF
 from fissura.results.load_path import LoadPath
 
@@ -119,17 +118,14 @@ def write_bands(found: Sequence[tuple[Mapping[str, float | str], Band]], path: P
     if not found:
         return
     keys, first = list(found[0][0]), found[0][1]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     column = COLUMN_OF[first.quantity]
     over = "dissipated_J" if first.over == "dissipated energy" else column
-    writer.writerow(
-        [*keys, over, "runs", "mean_load_N", *(f"p{p:02.0f}_load_N" for p in PERCENTILES), f"mean_{column}"]
-    )
+    head = (*keys, over, "runs", "mean_load_N", *(f"p{p:02.0f}_load_N" for p in PERCENTILES), f"mean_{column}")
+    rows: list[tuple[Any, ...]] = [head]
     for values, of in found:
         if of.over != first.over:
             continue
         for row in zip(of.abscissa, of.count, of.mean, *of.percentiles, of.value, strict=True):
             cells = [int(value) if k == 1 else f"{value:.12g}" for k, value in enumerate(row)]
-            writer.writerow([*(values[key] for key in keys), *cells])
-    write_atomically(path, text.getvalue().encode())
+            rows.append((*(values[key] for key in keys), *cells))
+    write_atomically(path, csv_bytes(rows))

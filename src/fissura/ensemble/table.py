@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fissura.errors import InputError
-from fissura.files.atomic import write_atomically
+from fissura.files.atomic import csv_bytes, write_atomically
 
 Table = dict[str, NDArray[Any]]
 """Column name -> 1-D array, one entry per run; what is unknown is nan, -1 in a column of whole numbers, or ``""``."""
@@ -137,12 +137,11 @@ def write_csv(rows: Table, path: Path, kinds: Mapping[str, type] | None = None) 
         Types of columns that the table of runs does not have; by default numbers and texts.
     """
     columns = columns_of(rows) | dict(kinds or {})
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    for values in zip(*(rows[name] for name in columns), strict=True):
-        writer.writerow([_written(value, kind) for value, kind in zip(values, columns.values(), strict=True)])
-    write_atomically(path, text.getvalue().encode())
+    lines = (
+        [_written(value, kind) for value, kind in zip(values, columns.values(), strict=True)]
+        for values in zip(*(rows[name] for name in columns), strict=True)
+    )
+    write_atomically(path, csv_bytes([list(columns), *lines]))
 
 
 def write_table(rows: Table, folder: Path) -> None:

@@ -7,7 +7,8 @@ from fissura.kernels import njit
 
 
 @njit()
-def _put_rows(values, rows, out):  # type: ignore[no-untyped-def]
+def put_rows(values, rows, out):  # type: ignore[no-untyped-def]
+    """``out[rows] = values``; (k, 3), (k,) and (m, 3)."""
     for k in range(len(rows)):
         for a in range(3):
             out[rows[k], a] = values[k, a]
@@ -29,11 +30,6 @@ def _changes(tangent, intact, moduli, damageable, least, chosen, change):  # typ
             chosen[count] = damageable[k]
             count += 1
     return count
-
-
-def put_rows(values: FloatArray, rows: IntArray, out: FloatArray) -> None:
-    """``out[rows] = values``; (k, 3), (k,) and (m, 3)."""
-    _put_rows(values, rows, out)
 
 
 def changes(

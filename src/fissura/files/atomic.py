@@ -1,10 +1,12 @@
 """Files that are there as a whole or not at all, whatever ends the program or the machine."""
 
+import csv
 import errno
+import io
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -85,13 +87,20 @@ def write_atomically(path: Path, data: bytes) -> None:
 
 
 def plain(value: Any) -> Any:
-    """What strict JSON can hold: scalars of NumPy as those of Python, and None for what is not a finite number."""
+    """What strict JSON can hold: scalars and arrays of NumPy as Python has them, None for what is no finite number."""
+    value = value.tolist() if hasattr(value, "tolist") else value
     if isinstance(value, Mapping):
         return {name: plain(part) for name, part in value.items()}
     if isinstance(value, list | tuple):
         return [plain(part) for part in value]
-    found = value.item() if hasattr(value, "item") else value
-    return None if isinstance(found, float) and not math.isfinite(found) else found
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def csv_bytes(rows: Iterable[Iterable[Any]]) -> bytes:
+    """Rows of cells as CSV in UTF-8, each ended by a line feed."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode()
 
 
 def write_json(path: Path, data: Any) -> None:

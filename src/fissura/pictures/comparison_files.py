@@ -1,13 +1,11 @@
 """Files that comparisons are written to: their numbers, and pictures of them."""
 
-import csv
-import io
 from pathlib import Path
 
 from matplotlib.backend_bases import FigureCanvasBase
 
 from fissura.errors import InputError
-from fissura.files.atomic import plain, write_atomically, write_json
+from fissura.files.atomic import csv_bytes, plain, write_atomically, write_json
 from fissura.pictures.curves import DPI, comparison_figure
 from fissura.pictures.lettering import save
 from fissura.pictures.moments import bodies_figure
@@ -21,10 +19,8 @@ def saved(comparison: Comparison, path: Path) -> Path:
     """Write numbers or the picture, as the ending of the name says; see `Comparison.save`."""
     form = path.suffix.lower().removeprefix(".")
     if form == "csv":
-        text = io.StringIO()
         rows = ((name, *values) for name, values in comparison.numbers().items())
-        csv.writer(text, lineterminator="\n").writerows([("quantity", *HEADS), *rows])
-        write_atomically(path, text.getvalue().encode())
+        write_atomically(path, csv_bytes([("quantity", *HEADS), *rows]))
     elif form == "json":
         write_json(
             path, plain({name: dict(zip(HEADS, values, strict=True)) for name, values in comparison.numbers().items()})

@@ -1,13 +1,11 @@
 """``curve.csv``, written one row after another."""
 
-import csv
-import io
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from fissura.files.atomic import force, write_atomically
+from fissura.files.atomic import csv_bytes, force, write_atomically
 from fissura.results.curve import COLUMNS, COUNTS, Curve
 
 
@@ -32,18 +30,12 @@ class CurveWriter:
     def __init__(self, path: Path, names: Sequence[str] = COLUMNS, curve: Curve | None = None) -> None:
         self._names = tuple(names)
         rows = () if curve is None else zip(*(curve[name] for name in self._names), strict=True)
-        lines = [self._line(self._names), *(self._row(dict(zip(self._names, row, strict=True))) for row in rows)]
+        lines = [csv_bytes([self._names]), *(self._row(dict(zip(self._names, row, strict=True))) for row in rows)]
         write_atomically(path, b"".join(lines))
         self._file = path.open("ab", buffering=0)
 
-    @staticmethod
-    def _line(cells: Sequence[str]) -> bytes:
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerow(cells)
-        return text.getvalue().encode()
-
     def _row(self, values: Mapping[str, float | str]) -> bytes:
-        return self._line([_written(name, values[name]) for name in self._names])
+        return csv_bytes([[_written(name, values[name]) for name in self._names]])
 
     def write(self, values: Mapping[str, float | str]) -> None:
         """Append one row and hand it to the operating system; a row that does not fit on the disk is not there at all.

@@ -1,14 +1,12 @@
 """The result of a study as tables: every run as CSV, what they say together as Markdown."""
 
-import csv
-import io
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from fissura.files.atomic import write_atomically
+from fissura.files.atomic import csv_bytes, write_atomically
 from fissura.study.definition import Limits
 from fissura.study.measures import Measures
 from fissura.study.result import StudyResult
@@ -41,19 +39,16 @@ def write_tables(result: StudyResult, folder: Path) -> list[Path]:
     """Write ``runs.csv`` and ``study.md``; returns what was written."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / "runs.csv", folder / "study.md"]
-    write_atomically(paths[0], _csv(result.found).encode())
+    write_atomically(paths[0], _csv(result.found))
     write_atomically(paths[1], markdown(result).encode())
     return paths
 
 
-def _csv(found: Sequence[Measures]) -> str:
+def _csv(found: Sequence[Measures]) -> bytes:
     """One row for each run; fractions are not per cent here."""
-    buffer = io.StringIO()
     rows = [m.row() for m in found]
-    writer = csv.DictWriter(buffer, list(rows[0]) if rows else ["specimen"], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({key: _cell(value) for key, value in row.items()} for row in rows)
-    return buffer.getvalue()
+    names = list(rows[0]) if rows else ["specimen"]
+    return csv_bytes([names, *([_cell(row.get(name, "")) for name in names] for row in rows)])
 
 
 def _cell(value: Any) -> Any:
