@@ -29,9 +29,9 @@ def transfer_history(
     new = virgin.copy()
     if not len(old_pairs) or not len(new_pairs):
         return new
-    base = 1 + max(int(old_pairs.max()), int(new_pairs.max()))
-    old_keys = np.sort(old_pairs, axis=1) @ np.array([base, 1])
-    new_keys = np.sort(new_pairs, axis=1) @ np.array([base, 1])
+    nuclei, number = np.unique(np.concatenate([old_pairs, new_pairs]), return_inverse=True)  # of few digits
+    keys = np.sort(number.reshape(-1, 2), axis=1) @ np.array([len(nuclei), 1])
+    old_keys, new_keys = keys[: len(old_pairs)], keys[len(old_pairs) :]
     order = np.argsort(old_keys)
     place = np.minimum(np.searchsorted(old_keys[order], new_keys), len(order) - 1)
     same = old_keys[order[place]] == new_keys

@@ -197,8 +197,9 @@ def overlap(adaptive: Energies, full: Energies) -> float:
     """Energy that both runs dissipated in the same contacts, over that of full resolution; nan without energy."""
     if not len(adaptive) or not len(full):
         return math.nan
-    base = 1 + max(int(adaptive.pairs.max()), int(full.pairs.max()))
-    of_a, of_f = (energies.pairs @ np.array([base, 1]) for energies in (adaptive, full))
+    nuclei, number = np.unique(np.concatenate([adaptive.pairs, full.pairs]), return_inverse=True)  # of few digits
+    keys = number.reshape(-1, 2) @ np.array([len(nuclei), 1])
+    of_a, of_f = keys[: len(adaptive)], keys[len(adaptive) :]
     _, in_a, in_f = np.intersect1d(of_a, of_f, assume_unique=True, return_indices=True)
     both = np.minimum(adaptive.energy[in_a], full.energy[in_f])
     return float(both.sum() / full.energy.sum())

@@ -115,7 +115,7 @@ class Record:
         }
         arrays: dict[str, Any] = {
             "head": json.dumps(head, allow_nan=False),
-            "pairs": self.energies.pairs.astype(np.int32),
+            "pairs": self.energies.pairs,
             "energy": self.energies.energy,
             "centroid": self.energies.centroid.astype(np.float32),
         }

@@ -45,9 +45,8 @@ class Cells:
 
 def _unchanged(x: FloatArray, nucleus: IntArray, previous: Cells) -> tuple[IntArray, BoolArray]:
     """New number of every previous body, -1 for none, and which of them no change has any influence on."""
-    number = np.full(max(nucleus[-1], previous.nucleus[-1]) + 1, -1)
-    number[nucleus] = np.arange(len(nucleus))
-    number = number[previous.nucleus]
+    number = np.minimum(np.searchsorted(nucleus, previous.nucleus), len(nucleus) - 1)
+    number[nucleus[number] != previous.nucleus] = -1
     stay = number >= 0
     assert np.array_equal(x[number[stay]], previous.x[stay])
     came = np.ones(len(x), np.bool_)
