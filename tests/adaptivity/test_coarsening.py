@@ -75,12 +75,13 @@ def test_a_coarsened_region_keeps_what_the_case_asks_for():
 def asked(fine, coarsening, share):
     """What is left of the region when the bodies in a share of the length are needed."""
     tessellation, region, nuclei = fine
-    return coarsening.smaller(region, tessellation, tessellation.x[:, 0] < share * nuclei.x[:, 0].max())
+    needed = tessellation.x[:, 0] < share * nuclei.x[:, 0].max()
+    return coarsening.smaller(region, tessellation, needed, lambda part: (part.distance(nuclei.x) <= 0.0).sum())
 
 
 def test_it_waits_after_a_change_and_shrinks_only_where_that_saves_enough(fine):
     _, _, nuclei = fine
-    coarsening = Coarsening(nuclei.x)
+    coarsening = Coarsening()
     for _ in range(3):
         assert asked(fine, coarsening, 0.2) is None
         coarsening = coarsening.stepped()
@@ -91,7 +92,7 @@ def test_it_waits_after_a_change_and_shrinks_only_where_that_saves_enough(fine):
 
 def test_needed_bodies_stay_with_a_margin(fine):
     tessellation, _, nuclei = fine
-    small = asked(fine, replace(Coarsening(nuclei.x), rest=3), 0.2)
+    small = asked(fine, replace(Coarsening(), rest=3), 0.2)
     assert small is not None
     needed = tessellation.x[:, 0] < 0.2 * nuclei.x[:, 0].max()
     assert (small.distance(tessellation.x[needed]) <= -small.r_w + 1e-15).all()
@@ -99,7 +100,7 @@ def test_needed_bodies_stay_with_a_margin(fine):
 
 def test_what_is_refined_again_stays(fine):
     _, region, nuclei = fine
-    coarsening = replace(Coarsening(nuclei.x), rest=3)
+    coarsening = replace(Coarsening(), rest=3)
     outside = np.array([[-1.0, -1.0, -1.0]])
     assert len(coarsening.refined(nuclei.x[:2]).lasting) == 0  # nothing was given up so far
     later = coarsening.coarsened(region).refined(np.concatenate([nuclei.x[:2], outside]))

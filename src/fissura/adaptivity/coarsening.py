@@ -8,6 +8,7 @@ was given up stays for good, so that it cannot flicker.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -62,8 +63,6 @@ class Coarsening:
 
     Attributes
     ----------
-    x : (N, 3) array
-        All fine nuclei of the specimen [m].
     given_up : RefinedRegion or None
         What was fine before the latest coarsening.
     lasting : (k, 3) array
@@ -72,7 +71,6 @@ class Coarsening:
         Accepted steps since the discretization last changed.
     """
 
-    x: FloatArray
     given_up: RefinedRegion | None = None
     lasting: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     rest: int = 0
@@ -94,6 +92,7 @@ class Coarsening:
         region: RefinedRegion,
         tessellation: Tessellation,
         needed: BoolArray,
+        fine_in: Callable[[RefinedRegion], int],
     ) -> RefinedRegion | None:
         """The region that is still needed; None where it is not worth a change.
 
@@ -105,13 +104,14 @@ class Coarsening:
             The discretization.
         needed : (n,) bool array
             Bodies that must stay fine.
+        fine_in : callable
+            Tells how many fine bodies a region has.
         """
         fine = int(tessellation.fine.sum())
         if self.rest < limits.PAUSE or fine <= limits.FEWEST:
             return None
         smaller = region.coarsened(tessellation.x[needed], self.lasting)
-        left = int((smaller.distance(self.x) <= 0.0).sum())
-        if fine - left < max(limits.SAVING * fine, limits.FEWEST):
+        if fine - fine_in(smaller) < max(limits.SAVING * fine, limits.FEWEST):
             return None
         return smaller
 

@@ -83,8 +83,7 @@ class SavedState:
     Attributes
     ----------
     state : State
-        With a `SavedResponse`, with `Rows` of what contacts have left, without fine nuclei, and without forces that are
-        the unit load.
+        With a `SavedResponse`, with `Rows` of what contacts have left, and without forces that are the unit load.
     digest : str
         Of the discretization that it belongs to.
     """
@@ -160,13 +159,7 @@ class Noted:
             intact: Any = Rows.of(secant.intact, np.ones_like(secant.intact))
             forces = np.empty(0) if secant.exact else secant.unit_forces
             solver = replace(solver, secant=replace(secant, intact=intact, unit_forces=forces))
-        coarsening = replace(state.layout.coarsening, x=np.empty((0, 3)))
-        state = replace(
-            state,
-            now=replace(state.now, response=kept),
-            layout=replace(state.layout, coarsening=coarsening),
-            solver=solver,
-        )
+        state = replace(state, now=replace(state.now, response=kept), solver=solver)
         return SavedState(state, self.digest)
 
     def seen(self) -> Noted:
@@ -183,8 +176,6 @@ def restored(found: SavedState, model: Model) -> State:
         The discretization is another one.
     """
     state = found.state
-    coarsening = replace(state.layout.coarsening, x=model.discretization.nuclei.x)
-    state = replace(state, layout=replace(state.layout, coarsening=coarsening))
     system = model.at(state)
     if digest(system) != found.digest:
         raise InputError(
