@@ -37,5 +37,6 @@ REMEMBERED: dict[str, dict[str, Any]] = {
         "adaptivity__r_f": 0.012,
     },
     "two levels": {"adaptivity__r_f": 0.012, "solver__linear": "two-level"},
+    "blocks": {"adaptivity__r_f": 0.012, "discretization__placement": "blocks"},
     "closing": {"material__law": "cusatis-cedolin-closing"},
 }

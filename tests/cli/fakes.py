@@ -48,6 +48,7 @@ class FakeSimulation:
         self.notices = ()
         self.state = None
         self.bodies_start, self.bodies_full, self.nuclei_given = 100, 300, 0
+        self.bodies_full_estimated, self.told_full = False, "300"
         self.field = None
         self.domain = domain_from_case(case)
         lengths = np.array([0.004, 0.009, 0.012])

@@ -36,6 +36,7 @@ def test_numbers():
         "bodies_start": 2,
         "bodies_end": 2,
         "bodies_full": 40,
+        "bodies_full_estimated": False,
         "steps": 4,
         "refinements": 8,
         "iterations": 16,

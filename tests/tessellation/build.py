@@ -8,7 +8,7 @@ from itertools import permutations
 from typing import Any
 
 import numpy as np
-from scipy.spatial import Delaunay
+from scipy.spatial import Delaunay, cKDTree
 
 from fissura.adaptivity import RefinedRegion
 from fissura.case.shape import Corner
@@ -184,6 +184,15 @@ def shape(name: str) -> Domain:
 
 def nuclei_in(domain: Domain, seed: int, l_f: float = L_F, given: Any = None) -> Nuclei:
     return Nuclei.placed(domain.complex, l_f, np.random.default_rng(seed), given)
+
+
+def farthest(nuclei, domain: Domain) -> float:
+    """Largest distance of a corner of a body, or of a random point, from its nearest nucleus, in spacings."""
+    t = discretize(nuclei, domain, np.zeros(len(nuclei)))
+    low, high = domain.bounds
+    points = low + (high - low) * np.random.default_rng(0).random((20_000, 3))
+    places = [t.contacts.polygons.points, t.surface.polygons.points, points[domain.contains(points)]]
+    return float(cKDTree(nuclei.x).query(np.concatenate(places))[0].max()) / nuclei.spacing
 
 
 def region(domain: Domain, centers: Any = (), *, everywhere: bool = False, r_f: float = 2 * L_F) -> RefinedRegion:

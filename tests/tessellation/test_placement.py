@@ -9,22 +9,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import cKDTree
 
-from fissura.specimen import Domain
 from fissura.specimen.assemble import complex_of
 from fissura.specimen.shapes.prism import box
-from fissura.tessellation import discretize
 from fissura.tessellation.placement import place
 
-from .build import L_F, SHAPES, SIZE, box_with, expected_count, nuclei_in, shape
-
-
-def farthest(nuclei, domain: Domain) -> float:
-    """Largest distance of a corner of a body, or of a random point, from its nearest nucleus, in spacings."""
-    t = discretize(nuclei, domain, np.zeros(len(nuclei)))
-    low, high = domain.bounds
-    points = low + (high - low) * np.random.default_rng(0).random((20_000, 3))
-    places = [t.contacts.polygons.points, t.surface.polygons.points, points[domain.contains(points)]]
-    return float(cKDTree(nuclei.x).query(np.concatenate(places))[0].max()) / nuclei.spacing
+from .build import L_F, SHAPES, SIZE, box_with, expected_count, farthest, nuclei_in, shape
 
 
 @pytest.mark.parametrize("name", SHAPES)

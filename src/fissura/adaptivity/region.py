@@ -94,9 +94,9 @@ class RefinedRegion:
         given = Regions(self.balls, self.radii, self.lower, self.upper).distance(x)
         return np.asarray(np.minimum(nearest, given), dtype=np.float64)
 
-    def spacing(self, x: FloatArray) -> FloatArray:
-        """Wanted spacing at points [m], 0 inside the region; (n, 3) -> (n,)."""
-        d = self.distance(x)
+    def spacing(self, x: FloatArray, within: float = 0.0) -> FloatArray:
+        """Least wanted spacing within a radius around points [m], 0 inside the region; (n, 3) -> (n,)."""
+        d = self.distance(x) - within
         share = np.clip(d / self.ramp, 0.0, 1.0) if self.ramp > 0.0 else np.ones(len(x))
         return np.where(d <= 0.0, 0.0, self.l_f + (self.l_c - self.l_f) * share)
 

@@ -39,7 +39,7 @@ class CheckReport(Described):
     bodies_start : int or None
         Bodies of the first discretization; None where it was not built.
     bodies_full : int
-        Bodies of the whole specimen at full resolution; estimated where it was not built.
+        Bodies of the whole specimen at full resolution; estimated where not all of it was built.
     nuclei_given : int
         Nuclei of full resolution that a file gave.
     contacts, fine_contacts : int or None
@@ -68,6 +68,8 @@ class CheckReport(Described):
         Name and value of what there is to say about the random field.
     study : str
         What the table ``[ensemble]`` asks for, in words; empty without one.
+    estimated : bool
+        Whether `bodies_full` is an estimate.
 
     Examples
     --------
@@ -97,6 +99,7 @@ class CheckReport(Described):
     nuclei_given: int = 0
     field_rows: tuple[tuple[str, str], ...] = ()
     study: str = ""
+    estimated: bool = True
 
     @property
     def memory_start(self) -> float | None:
@@ -105,15 +108,13 @@ class CheckReport(Described):
 
     @property
     def _bodies(self) -> list[tuple[str, str]]:
+        full = ("bodies at full resolution", f"about {self.bodies_full}" if self.estimated else f"{self.bodies_full}")
         if self.memory_start is None:
-            return [
-                ("bodies at start", "not counted: fissura check --build counts them, after compiling"),
-                ("bodies at full resolution", f"about {self.bodies_full}"),
-            ]
+            return [("bodies at start", "not counted: fissura check --build counts them, after compiling"), full]
         nuclei = ("nuclei from the file", f"{self.nuclei_given}, and {self.bodies_full - self.nuclei_given} added")
         return [
             ("bodies at start", f"{self.bodies_start}"),
-            ("bodies at full resolution", f"{self.bodies_full}"),
+            full,
             *([nuclei] if self.nuclei_given else []),
             ("contacts at start", f"{self.contacts}, {self.fine_contacts} with damage"),
             ("memory at start", f"about {gigabytes(self.memory_start)}, grows with refinement"),
@@ -203,6 +204,7 @@ def _built(case: Case) -> CheckReport:
     return replace(
         found,
         bodies_start=simulation.bodies_start,
+        estimated=simulation.bodies_full_estimated,
         nuclei_given=simulation.nuclei_given,
         contacts=len(contacts),
         fine_contacts=len(lengths),

@@ -1,6 +1,6 @@
 """How a case is computed, and what a run of it writes: spacing of nuclei, solver, output."""
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -18,11 +18,18 @@ class Discretization(Part):
     l_f: PositiveLength = Field(description='a length such as "10 mm"')
     l_c: PositiveLength = Field(default_factory=derived(lambda l_f: min(4.0 * l_f, LONGEST), "l_f"))
     nuclei: File | None = None
+    placement: Literal["saturated", "blocks"] = "saturated"
 
     @model_validator(mode="after")
     def _fine_below_coarse(self) -> Self:
         if self.l_f > self.l_c:
             fail(f"{self.l_f:g} m is larger than l_c = {self.l_c:g} m", "l_f at most l_c", "l_f")
+        return self
+
+    @model_validator(mode="after")
+    def _given_to_one_placement(self) -> Self:
+        if self.nuclei is not None and self.placement == "blocks":
+            fail('a file of nuclei needs placement = "saturated"', "no nuclei from a file in blocks", "nuclei")
         return self
 
 

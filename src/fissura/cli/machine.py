@@ -76,6 +76,7 @@ def check_json(found: CheckReport) -> dict[str, Any]:
         "counted": found.bodies_start is not None,
         "bodies_start": found.bodies_start,
         "bodies_full": found.bodies_full,
+        "bodies_full_estimated": found.estimated,
         "nuclei_given": found.nuclei_given,
         "contacts_start": found.contacts,
         "fine_contacts_start": found.fine_contacts,

@@ -89,7 +89,7 @@ class Prism:
     def __init__(self, width: float, aspect: float, spacing: float, seed: int) -> None:
         case = prism_case(width, aspect, spacing, seed, 1e9, 1.0)
         domain = domain_from_case(case)
-        nuclei = nuclei_from_case(case, domain)
+        nuclei = nuclei_from_case(case, domain).complete()
         tessellation = discretize(nuclei, domain, np.zeros(len(nuclei)))
         conditions = conditions_from_case(case, domain)
         self.size = domain.size

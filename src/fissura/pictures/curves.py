@@ -259,4 +259,5 @@ def _kind(result: Result) -> str:
     bodies = text.count(float(result.curve["bodies"][-1]))
     if result.full:
         return f"full resolution, {bodies} bodies"
-    return f"adaptive, {bodies} of {text.count(float(result.summary['bodies_full']))} bodies"
+    about = "about " if result.summary.get("bodies_full_estimated") else ""
+    return f"adaptive, {bodies} of {about}{text.count(float(result.summary['bodies_full']))} bodies"

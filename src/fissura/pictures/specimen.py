@@ -101,7 +101,7 @@ def plot_specimen(simulation: Simulation, path: str | Path, sight: Sight | None 
         entries.append(_weight(axes, signs.weight, low, high, look))
     axes.set_xlim(low[0] - 0.14 * size, high[0] + 0.14 * size)
     axes.set_ylim(low[1] - 0.14 * size, high[1] + 0.14 * size)
-    kind = "full resolution" if simulation.full else f"start; {simulation.bodies_full} at full resolution"
+    kind = "full resolution" if simulation.full else f"start; {simulation.told_full} at full resolution"
     extent = " x ".join(f"{1e3 * length:.4g}" for length in simulation.domain.size)
     lines = [case.name, f"{extent} mm, {simulation.bodies_start} bodies ({kind})"]
     if unseen:

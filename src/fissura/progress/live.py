@@ -94,7 +94,7 @@ class RunProgress(Live):
     def start(self, simulation: Simulation) -> None:
         """Say what is about to run."""
         now = time.monotonic()
-        kind = "full resolution" if simulation.full else f"adaptive, full resolution has {simulation.bodies_full}"
+        kind = "full resolution" if simulation.full else f"adaptive, full resolution has {simulation.told_full}"
         self.say(
             f"{simulation.case.name}: {simulation.bodies_start} bodies ({kind}), built in {duration(now - self._start)}"
         )

@@ -159,6 +159,7 @@ class RunData(Described):
         coarser = f"{s['coarsenings']} coarsenings, " if s.get("coarsenings") else ""
         at_peak = float(self.controlled[peak_position(self.load_values)]) if self.steps else math.nan
         bodies = " → ".join(text.count(number(key)) for key in ("bodies_start", "bodies_end"))
+        about = "about " if s.get("bodies_full_estimated") else ""
         return [
             ("case", f"{s.get('case')}, seed {s.get('seed')}, {kind}"),
             ("status", ": ".join(str(s[key]) for key in ("status", "message") if s.get(key))),
@@ -175,7 +176,7 @@ class RunData(Described):
                 text.per_cent(number("max_elastic_utilisation")) + " of the strength, in elastic contacts",
             ),
             *self._precision(),
-            ("bodies", f"{bodies} (full: {text.count(number('bodies_full'))})"),
+            ("bodies", f"{bodies} (full: {about}{text.count(number('bodies_full'))})"),
             (
                 "steps",
                 f"{self.steps}{led} with {s.get('refinements')} refinements, {coarser}{s.get('iterations')} iterations",

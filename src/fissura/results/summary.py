@@ -86,6 +86,7 @@ def build_summary(
         "tolerance": case.adaptivity.tolerance,
         "bodies_start": simulation.bodies_start,
         "bodies_full": simulation.bodies_full,
+        "bodies_full_estimated": simulation.bodies_full_estimated,
         "nuclei_given": simulation.nuclei_given,
         "nuclei_added": simulation.bodies_full - simulation.nuclei_given,
         "cpu_s": cpu_s,

@@ -208,7 +208,7 @@ class Recorder:
         self._saving = CheckpointWriter(self._simulation, self._folder, self._history, checkpoint)
         self._log = RunLog(self._own(LOG), go_on=begun is not None)
         full, start = self._simulation.full, self._simulation.bodies_start
-        kind = "full resolution" if full else f"adaptive, full resolution has {self._simulation.bodies_full}"
+        kind = "full resolution" if full else f"adaptive, full resolution has {self._simulation.told_full}"
         self._log.begin(case, f"{start} bodies ({kind})", 0 if checkpoint is None else checkpoint.steps)
         self._write_summary(self._summary("running", ""))
 

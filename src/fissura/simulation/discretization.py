@@ -22,9 +22,11 @@ from fissura.equilibrium import Response, System, check_places
 from fissura.errors import InputError
 from fissura.machine.kernel_threads import KernelThreads
 from fissura.material import check_not_everywhere, field_from_case
+from fissura.simulation import limits
 from fissura.simulation.described import described
+from fissura.simulation.memory import estimated_bodies
 from fissura.specimen import Conditions, Drive
-from fissura.tessellation import Tessellation, discretize, nuclei_from_case
+from fissura.tessellation import Nuclei, Tessellation, discretize, nuclei_from_case
 
 
 def _count(bodies: int) -> str:
@@ -51,7 +53,11 @@ class Discretization:
     notices : tuple of Notice
         What looks wrong in the case, although it can be built.
     domain, nuclei : Domain, Nuclei
-        The specimen, and all its fine nuclei.
+        The specimen, and its fine nuclei: all of them, or with blocks those that were needed so far.
+    bodies_full : int
+        Bodies at full resolution.
+    estimated : bool
+        Whether that number is an estimate, since not all of them are placed.
     field : RandomField or None
         Relative strength as a function of position; None where it is the same everywhere.
     layout : Layout
@@ -72,24 +78,48 @@ class Discretization:
         self.field = field_from_case(case)
         self._threads = KernelThreads(case.solver.threads)
         self.nuclei = nuclei_from_case(case, self.domain)
-        self.layout = Layout(region_from_case(case, self.domain, full=full), Coarsening(self.nuclei.x))
+        self.layout = Layout(region_from_case(case, self.domain, full=full), Coarsening())
+        self._known(self.layout.region)
+        self.estimated = self.nuclei.blocks is not None and not full
+        self.bodies_full = estimated_bodies(case, self.domain) if self.estimated else len(self.nuclei)
         if self._elastic.contains(self.nuclei.x).all():  # facets between nuclei may lie outside all the same
             check_not_everywhere(self._elastic, self._whole().contacts.centroid)
         self.compliance: float | None = None
         start = self._discretized(self.layout.region)
-        check_places(self._conditions, self.nuclei, case.discretization.l_f, start=False)
-        if not len(start.contacts) and len(start) < len(self.nuclei):
+        check_places(self._conditions, self._near_places(), case.discretization.l_f, start=False)
+        if not len(start.contacts) and len(start) < self.bodies_full:
             raise InputError(
                 "discretization.l_c",
                 f"{case.discretization.l_c:g} m: the start has {_count(len(start))} without any contact",
-                f"less; l_f = {case.discretization.l_f:g} m, the least, starts with all {len(self.nuclei)} bodies",
+                f"less; l_f = {case.discretization.l_f:g} m, the least, starts with all {self.told_full} bodies",
             )
         if not full:
             check_places(self._conditions, start, case.discretization.l_f, start=True)
         self.system = self._equations(start)
 
+    @property
+    def told_full(self) -> str:
+        """Bodies at full resolution, as messages tell them."""
+        return f"about {self.bodies_full}" if self.estimated else f"{self.bodies_full}"
+
+    def _known(self, region: RefinedRegion) -> Nuclei:
+        """Nuclei that a region may need; a run that needs few of them does not carry along all of the specimen."""
+        found = self.nuclei.known_for(region.spacing)
+        if self._full or not region.everywhere:
+            self.nuclei = found
+        return found
+
+    def _near_places(self) -> Nuclei:
+        """Nuclei with all fine ones near supports, loads and gauges."""
+        sizes, conditions = self._case.discretization, self._conditions
+        places = (*conditions.supports, *conditions.loads, *conditions.gauges)
+        points = [np.empty((0, 3)), *(place.points for place in places if place.platen is None)]
+        near = RefinedRegion(sizes.l_f, sizes.l_c, limits.NEAR_PLACES * sizes.l_f, 0.0, centers=np.concatenate(points))
+        return self.nuclei.known_for(near.spacing)
+
     def _discretized(self, region: RefinedRegion, previous: Tessellation | None = None) -> Tessellation:
-        found = discretize(self.nuclei, self.domain, region.spacing(self.nuclei.x), previous)
+        nuclei = self._known(region)
+        found = discretize(nuclei, self.domain, region.spacing(nuclei.x), previous)
         return replace(found, cells=None) if self._full else found  # nothing will change there
 
     def _whole(self) -> Tessellation:
@@ -236,13 +266,17 @@ class Discretization:
             response.history,
             self._case.adaptivity.gamma_coarse,
         )
-        region = layout.coarsening.smaller(layout.region, system.tessellation, needed)
+        region = layout.coarsening.smaller(layout.region, system.tessellation, needed, self._fine_in)
         if region is None:
             return False
         changed = self._changed(region)
         settle(changed)
         self._change(layout.coarsened(region), changed)
         return True
+
+    def _fine_in(self, region: RefinedRegion) -> int:
+        """How many nuclei a region keeps fine."""
+        return int((region.distance(self._known(region).x) <= 0.0).sum())
 
     def keep_fine(self) -> None:
         """Never coarsen again."""

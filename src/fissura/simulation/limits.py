@@ -47,5 +47,12 @@ MOST_BODIES, BYTES_PER_NUCLEUS = 5e7, 400.0
 SATURATED = 0.734
 SPARSEST = 0.349 / SATURATED
 
+#: The same for nuclei in blocks (`benchmarks/placement.py`).
+IN_BLOCKS = 0.740
+
+#: Distance in `l_f` from a place within which its body has its nucleus: within 1 there is one, but it may lie across a
+#: notch, and the nearest on the place's own side as far again.
+NEAR_PLACES = 3.0
+
 #: Memory of a run, and of one elastic solution at full resolution, for each body and besides [bytes].
 BYTES_OF_RUN, BYTES_OF_SOLUTION, BYTES_BESIDES = 35e3, 12e3, 300e6

@@ -37,6 +37,8 @@ class Simulation:
         As given.
     bodies_full, bodies_start : int
         Bodies at full resolution, and at the start of this run.
+    bodies_full_estimated : bool
+        Whether the former is an estimate, since they are placed in blocks and not all of them are needed.
     nuclei_given : int
         Nuclei that a file gave; full resolution has these, and those added to them.
     model : Model
@@ -64,7 +66,8 @@ class Simulation:
         self.case, self.full = case, full
         with within_memory("discretization.l_f", "the bodies of the specimen", "a larger spacing"):
             self._discretization = Discretization(case, full=full)
-        self.bodies_full = len(self._discretization.nuclei)
+        self.bodies_full = self._discretization.bodies_full
+        self.bodies_full_estimated = self._discretization.estimated
         self.nuclei_given = self._discretization.nuclei.given
         self.bodies_start = len(self.tessellation)
         self.state: State | None = None
@@ -74,6 +77,11 @@ class Simulation:
     def tessellation(self) -> Tessellation:
         """The current discretization."""
         return self._discretization.system.tessellation
+
+    @property
+    def told_full(self) -> str:
+        """Bodies at full resolution, as messages tell them."""
+        return self._discretization.told_full
 
     @property
     def domain(self) -> Domain:
@@ -132,7 +140,7 @@ class Simulation:
         0
         """
         with stopping(lambda: (1, 0.0, "m"), refusing=True):
-            return started(self.model, (self.bodies_start, self.bodies_full))
+            return started(self.model, (self.bodies_start, self.told_full))
 
     @property
     def ended(self) -> bool:

@@ -5,26 +5,36 @@ from fissura.case.plausible import suspect
 from fissura.errors import InputError
 from fissura.machine.memory import gigabytes, physical_memory
 from fissura.simulation import limits
-from fissura.specimen import domain_from_case
+from fissura.specimen import Domain, domain_from_case
 from fissura.specimen.notches import SURFACE
+from fissura.tessellation import needed_spacing
 
 
 def estimate_bodies(case: Case) -> float:
     """Estimate how many bodies full resolution has.
 
-    Saturated nuclei in a specimen with free surfaces: ``0.734`` for every cube of side ``l_f``, with 0.3 of a layer
-    more on the surface; exact for a box, edges and corners included. Walls of notches have no such layer: nuclei keep
-    their distance across a notch, too.
+    Saturated nuclei in a specimen with free surfaces: ``0.734`` for every cube of side ``l_f``, ``0.740`` in blocks,
+    with 0.3 of a layer more on the surface; exact for a box, edges and corners included. Walls of notches have no such
+    layer: nuclei keep their distance across a notch, too.
 
     Returns
     -------
     float
         Number of bodies, not rounded; may be infinite for absurd sizes.
     """
-    domain, l_f = domain_from_case(case), case.discretization.l_f
+    return _estimated(case, domain_from_case(case), case.discretization.l_f)
+
+
+def estimated_bodies(case: Case, domain: Domain) -> int:
+    """What :func:`estimate_bodies` gives for a domain that is there, to three digits."""
+    return int(float(f"{_estimated(case, domain, case.discretization.l_f):.3g}"))
+
+
+def _estimated(case: Case, domain: Domain, spacing: float) -> float:
     area = sum(part.area for part in domain.faces(*(name for name in domain.surfaces if name != SURFACE)))
-    layers = domain.volume / l_f**3 + 0.3 * area / l_f**2 + 0.36 * float(domain.size.sum()) / l_f + 0.216
-    return limits.SATURATED * layers
+    layers = domain.volume / spacing**3 + 0.3 * area / spacing**2 + 0.36 * float(domain.size.sum()) / spacing + 0.216
+    density = limits.IN_BLOCKS if case.discretization.placement == "blocks" else limits.SATURATED
+    return density * layers
 
 
 def estimate_memory(bodies: float) -> float:
@@ -61,18 +71,22 @@ def require_memory(case: Case, *, full: bool = False) -> None:
         If the nuclei of the whole specimen, or with ``full`` the solver, or calibration, need more memory than
         there is.
     """
-    bodies, machine, l_f = estimate_bodies(case), physical_memory(), case.discretization.l_f
+    domain, machine, l_f = domain_from_case(case), physical_memory(), case.discretization.l_f
+    bodies = _estimated(case, domain, l_f)
     if case.discretization.nuclei is not None:
         bodies *= limits.SPARSEST
-    size = " x ".join(f"{length:g}" for length in domain_from_case(case).size)
+    size = " x ".join(f"{length:g}" for length in domain.size)
     least = "at least" if case.discretization.nuclei is not None else "about"
     problem = f"{l_f:g} m in a specimen of {size} m means {least} {bodies:.2g} bodies"
     odd = suspect(case, "specimen")
-    if odd is not None and bodies * limits.BYTES_PER_NUCLEUS > machine:
+    part, placed = case.discretization, bodies
+    if part.placement == "blocks" and not full:  # what is coarse; refinement adds little to that
+        placed = _estimated(case, domain, needed_spacing(part.l_f, part.l_c))
+    if odd is not None and placed * limits.BYTES_PER_NUCLEUS > machine:
         raise InputError(odd.key, f"{odd.problem}; {problem}", odd.advice)
-    if bodies > limits.MOST_BODIES:
+    if placed > limits.MOST_BODIES:
         raise InputError("discretization.l_f", problem, f"a spacing that gives at most {limits.MOST_BODIES:.0e} bodies")
-    need = bodies * limits.BYTES_PER_NUCLEUS
+    need = placed * limits.BYTES_PER_NUCLEUS
     if full:
         need = max(need, estimate_memory(bodies))
     if need > machine:

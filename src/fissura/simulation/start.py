@@ -23,15 +23,15 @@ def _is_to_grow(case: Case) -> bool:
     return not others and case.gravity is None and first.quantity != "force" and target.value > 0.0
 
 
-def started(model: Model, bodies: tuple[int, int]) -> State:
+def started(model: Model, bodies: tuple[int, str]) -> State:
     """Calibrate the start of a run, and find its stiffness.
 
     Parameters
     ----------
     model : Model
         What is run.
-    bodies : (int, int)
-        Bodies at the start, and at full resolution.
+    bodies : (int, str)
+        Bodies at the start, and at full resolution as messages tell them.
 
     Raises
     ------

@@ -2,6 +2,7 @@
 
 from fissura.tessellation.discretize import discretize
 from fissura.tessellation.footprint import footprint
+from fissura.tessellation.levels import needed_spacing
 from fissura.tessellation.nuclei import Nuclei, nuclei_from_case
 from fissura.tessellation.owners import Bodies, owners
 from fissura.tessellation.selection import select
@@ -15,6 +16,7 @@ __all__ = [
     "Tessellation",
     "discretize",
     "footprint",
+    "needed_spacing",
     "nuclei_from_case",
     "owners",
     "select",

@@ -142,11 +142,11 @@ def discretize(
     Parameters
     ----------
     nuclei : Nuclei
-        All fine nuclei of the specimen.
+        All fine nuclei of the specimen that may be used with this spacing.
     domain : Domain
         The specimen.
     spacing : (N,) array
-        Wanted spacing at every fine nucleus [m], 0 inside the refined region.
+        Wanted spacing at every one of them [m], 0 inside the refined region.
     previous : Tessellation, optional
         Another discretization of the same specimen. It saves the work where nothing changed; the result is the same
         without it, bit for bit.
@@ -158,7 +158,7 @@ def discretize(
         domain.complex,
         domain.surfaces,
         np.maximum(spacing[kept], nuclei.spacing),
-        kept,
+        nuclei.identity[kept],
         fine,
         previous,
     )

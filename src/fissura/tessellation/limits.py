@@ -32,6 +32,34 @@ SMALLEST_SIDE = 4.0
 #: nucleus farther than two has any influence on a cell; the rest keeps the outer box out of reach.
 LAYER = 2.5
 
+# Placement in blocks
+
+#: Levels of spacing, each twice as wide as the one before: the specimen depends on it, so it is the same for all cases.
+LEVELS = 5
+
+#: Width of a block in spacings of its level: 2 would do for blocks of one colour to be apart; wider ones have less in
+#: common with their neighbours, and more of them that nobody asked for (`benchmarks/placement.py`).
+WIDTH = 4
+
+#: Grid cells along a block: their diagonal is 0.99 spacings, so that each holds one nucleus at most.
+CELLS = 7
+
+#: Grid cells beyond the faces of a block where it may have nuclei, and within which it leaves room to later blocks:
+#: with one, blocks of one colour stay apart, and a block needs eight of the next coarser level.
+RIM = 1
+
+#: Trials at random in a cube of one spacing before a block is saturated, and how fast they get fewer beyond its faces:
+#: by `exp(-2)` in a grid cell. Density by distance from a face, in layers of a quarter of a spacing, scatters by 6 %
+#: (39 % without them, and with blocks that end at their faces), in layers of one spacing by 1 % (16 %).
+ARRIVALS, FADING = 12.0, 2.0
+
+#: Identities that a block takes: a power of two above the number of balls of one spacing that its grid may hold, 330.
+MOST_IN_BLOCK = 512
+
+#: Share by which a wanted spacing may miss that of a level, by round-off, and still do without finer nuclei; also of
+#: a radius.
+BELOW = 1e-6
+
 # Files of nuclei
 
 #: Largest files, of numbers and of text [bytes]: what a machine can hold.

@@ -18,15 +18,39 @@ from fissura.errors import InputError
 from fissura.files.text import check_file, read_text
 from fissura.specimen import Domain
 from fissura.specimen.complex import Complex
-from fissura.tessellation.limits import MOST_BYTES, MOST_BYTES_OF_TEXT, ON_SURFACE
+from fissura.tessellation.blocks import filled, mixed
+from fissura.tessellation.levels import LeastSpacing, Levels
+from fissura.tessellation.limits import LEVELS, MOST_BYTES, MOST_BYTES_OF_TEXT, ON_SURFACE
 from fissura.tessellation.placement import place
 
 _KEY = "discretization.nuclei"
 
 
 @dataclass(frozen=True)
+class Blocks:
+    """Which blocks of a specimen have their nuclei, and what the others follow from.
+
+    Attributes
+    ----------
+    levels : Levels
+        The blocks.
+    key : int
+        Of their random numbers, 64 bits.
+    known : (b,) array
+        Numbers of the blocks that have their nuclei, ascending.
+    identity : (n,) array
+        Identities of these nuclei, ascending: number of the block and number within it.
+    """
+
+    levels: Levels
+    key: int
+    known: IntArray
+    identity: IntArray
+
+
+@dataclass(frozen=True)
 class Nuclei:
-    """All fine nuclei of a specimen, placed once.
+    """Fine nuclei of a specimen: all of them, placed once, or those that were asked for so far.
 
     Attributes
     ----------
@@ -35,13 +59,15 @@ class Nuclei:
     home : (n,) array
         The convex cell of the specimen that holds each of them.
     priority : (n,) array
-        Fixed random rank, 0 first.
+        Fixed random rank, smallest first.
     spacing : float
         Smallest distance ``l_f`` [m].
     complex : Complex
         The specimen.
     given : int
         How many of them a file gave; the others were added.
+    blocks : Blocks, optional
+        What further nuclei come from; None where all are there.
     """
 
     x: FloatArray
@@ -50,6 +76,19 @@ class Nuclei:
     spacing: float
     complex: Complex
     given: int = 0
+    blocks: Blocks | None = None
+
+    @property
+    def identity(self) -> IntArray:
+        """Identities for life, ascending, shape (n,): indices where all nuclei are there from the beginning."""
+        return np.arange(len(self.x)) if self.blocks is None else self.blocks.identity
+
+    def used(self, spacing: FloatArray) -> IntArray:
+        """Nuclei that may be used with a wanted spacing at them [m], all but those too fine for it; (n,) -> (k,)."""
+        if self.blocks is None:
+            return np.arange(len(self.x))
+        levels = self.blocks.levels
+        return np.flatnonzero(spacing < levels.widest(levels.level_of(self.blocks.identity)))
 
     def inside(self, cell: int) -> IntArray | None:
         """Nuclei that are admitted in a convex cell of the specimen; None where all are."""
@@ -67,6 +106,59 @@ class Nuclei:
         """Saturate a complex with nuclei and give each a random priority; arguments as for :func:`place`."""
         x, home = place(complex_, l_f, rng, given)
         return cls(x, home, rng.permutation(len(x)), l_f, complex_)
+
+    @classmethod
+    def in_blocks(cls, complex_: Complex, l_f: float, key: int) -> Nuclei:
+        """No nuclei yet, to be placed in blocks as they are asked for.
+
+        Parameters
+        ----------
+        complex_ : Complex
+            The specimen.
+        l_f : float
+            Smallest distance of nuclei [m].
+        key : int
+            Of all random numbers, 64 bits.
+        """
+        none = np.empty(0, np.int64)
+        blocks = Blocks(Levels.of(complex_, l_f), key, none, none)
+        return cls(np.empty((0, 3)), none, none, l_f, complex_, blocks=blocks)
+
+    def known_for(self, least: LeastSpacing) -> Nuclei:
+        """The same nuclei, and all others that may be used with a wanted spacing.
+
+        Those that are known besides depend on what was asked for before; `select` does not use them.
+
+        Parameters
+        ----------
+        least : callable
+            The least wanted spacing within a radius [m] around points (n, 3) [m], shape (n,).
+        """
+        if self.blocks is None:
+            return self
+        levels, key, known = self.blocks.levels, self.blocks.key, self.blocks.known
+        todo = levels.missing(levels.asked(least), known)
+        if not len(todo):
+            return self
+        before = (self.x, self.home, self.blocks.identity)
+        x, home, identity = filled(todo, levels, key, self.complex, known, *before)
+        return replace(
+            self,
+            x=x,
+            home=home,
+            priority=_by_level(levels.level_of(identity), mixed(np.uint64(key), identity)),
+            blocks=replace(self.blocks, known=np.union1d(known, todo), identity=identity),
+        )
+
+    def complete(self) -> Nuclei:
+        """All fine nuclei of the specimen."""
+        return self.known_for(lambda x, _: np.zeros(len(x)))
+
+
+def _by_level(level: IntArray, random: IntArray) -> IntArray:
+    """Priorities: coarser levels first, then at random; (n,) each."""
+    bits = (LEVELS - 1).bit_length()
+    return np.asarray((LEVELS - 1 - level << 63 - bits) | random >> bits)
 
 
 def read_nuclei(path: Path) -> FloatArray:
@@ -100,7 +192,8 @@ def read_nuclei(path: Path) -> FloatArray:
 def nuclei_from_case(case: Case, domain: Domain) -> Nuclei:
     """Place the fine nuclei of a case's specimen, beginning with those of its nuclei file if there is one.
 
-    Nuclei from a file stay where they are, and all of them are used. Gaps are filled up to saturation.
+    Nuclei from a file stay where they are, and all of them are used. Gaps are filled up to saturation. With
+    ``discretization.placement = "blocks"`` none is placed yet.
 
     Raises
     ------
@@ -108,6 +201,9 @@ def nuclei_from_case(case: Case, domain: Domain) -> Nuclei:
         A nuclei file that cannot be used.
     """
     part = case.discretization
+    if part.placement == "blocks":
+        key = int(np.random.SeedSequence(case.seed).generate_state(1, np.uint64)[0])
+        return Nuclei.in_blocks(domain.complex, part.l_f, key)
     rng = np.random.default_rng(np.random.SeedSequence(case.seed))
     if part.nuclei is None:
         return Nuclei.placed(domain.complex, part.l_f, rng)

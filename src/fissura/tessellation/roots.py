@@ -120,7 +120,7 @@ def _crossing(low, high, first, last, normal, offset, crossing):  # type: ignore
 
 
 @njit()
-def _met(shape, side, low, high, plane_start, normal, offset):  # type: ignore[no-untyped-def]
+def met(shape, side, low, high, plane_start, normal, offset):  # type: ignore[no-untyped-def]
     """Roots with the cells that they meet, and with the planes of these."""
     total = shape[0] * shape[1] * shape[2]
     filled, start = np.zeros(total), np.zeros(total + 1, np.int64)
@@ -191,7 +191,7 @@ def roots_of(complex_: Complex, origin: FloatArray, shape: IntArray, side: float
     c = complex_
     offset = c.offset - c.normal[:, 0] * origin[0] - c.normal[:, 1] * origin[1] - c.normal[:, 2] * origin[2]
     bounds = (c.low - origin, c.high - origin)
-    interior, start, cell, begin, end, planes = _met(shape, side, *bounds, c.plane_start, c.normal, offset)
+    interior, start, cell, begin, end, planes = met(shape, side, *bounds, c.plane_start, c.normal, offset)
     return Roots(interior, start, cell, begin, end, c.normal[planes], offset[planes])
 
 

@@ -25,11 +25,8 @@ def _free(p, l2, x, grid, head, following):  # type: ignore[no-untyped-def]
 
 
 @njit()
-def _select(x, priority, spacing, side):  # type: ignore[no-untyped-def]
+def _select(x, order, spacing, side):  # type: ignore[no-untyped-def]
     n = len(x)
-    order = np.empty(n, np.int64)
-    for k in range(n):
-        order[priority[k]] = k
     kept = np.zeros(n, np.bool_)
     low = np.empty(3)
     size = np.empty(3)
@@ -85,21 +82,23 @@ def select(nuclei: Nuclei, spacing: FloatArray) -> tuple[IntArray, BoolArray]:
 
     All nuclei with zero spacing (the refined region) are kept; then, by priority, each one that has no kept
     nucleus closer than its own spacing. The result is a pure function of the arguments, so it does not depend on the
-    order in which a region grew.
+    order in which a region grew; nor on nuclei that are too fine for the spacing wanted where they are.
 
     Parameters
     ----------
     nuclei : Nuclei
-        All fine nuclei.
+        All fine nuclei that may be used with this spacing.
     spacing : (n,) array
         Wanted spacing at every nucleus [m], 0 inside the refined region.
 
     Returns
     -------
     kept : (k,) array
-        Identities of the selected nuclei, ascending.
+        Indices of the selected nuclei, ascending.
     fine : (k,) bool array
         Which of them lie in the refined region.
     """
-    kept = np.flatnonzero(_select(nuclei.x, nuclei.priority, spacing, 2.0 * nuclei.spacing))
+    used = nuclei.used(spacing)
+    order = np.argsort(nuclei.priority[used], kind="stable")
+    kept = used[_select(nuclei.x[used], order, spacing[used], 2.0 * nuclei.spacing)]
     return kept, spacing[kept] <= 0.0
