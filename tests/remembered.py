@@ -37,6 +37,10 @@ REMEMBERED: dict[str, dict[str, Any]] = {
         "adaptivity__r_f": 0.012,
     },
     "two levels": {"adaptivity__r_f": 0.012, "solver__linear": "two-level"},
-    "blocks": {"adaptivity__r_f": 0.012, "discretization__placement": "blocks"},
+    "blocks": {
+        "discretization": {"l_f": 0.004, "l_c": 0.016, "placement": "blocks"},
+        "adaptivity": {"r_f": 0.008, "r_c": 0.024},
+        "control__target": 5e-5,
+    },
     "closing": {"material__law": "cusatis-cedolin-closing"},
 }
