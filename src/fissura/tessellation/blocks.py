@@ -7,8 +7,6 @@ the face between two blocks is left to the later one. A block that is saturated 
 crowded along them as along a wall, 2.2 times as dense as on average, and 0.2 times on the other side.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -28,11 +26,10 @@ from fissura.tessellation.limits import (
     WIDTH,
 )
 from fissura.tessellation.placement import first_voxels
+from fissura.tessellation.random import drawn, mixed
 from fissura.tessellation.roots import Roots, holder, met
 from fissura.tessellation.search import longer, taller
 from fissura.tessellation.voxels import Placed, cell_of, divided, free, surroundings
-
-_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
 
 class _Shape(NamedTuple):
@@ -43,30 +40,6 @@ class _Shape(NamedTuple):
     plane_start: IntArray
     normal: FloatArray
     offset: FloatArray
-
-
-@njit(inline="always")
-def _mixed(z):  # type: ignore[no-untyped-def]
-    """Mix the bits of a number (Steele, Lea, Flood 2014: the output of SplitMix64)."""
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return z ^ (z >> np.uint64(31))
-
-
-@njit()
-def mixed(key, numbers):  # type: ignore[no-untyped-def]
-    """Random numbers of 63 bits, each a function of a key and its own number; (n,) -> (n,)."""
-    out = np.empty(len(numbers), np.int64)
-    for k in range(len(numbers)):
-        out[k] = np.int64(_mixed(key ^ _mixed(np.uint64(numbers[k]) + _GOLDEN)) >> np.uint64(1))
-    return out
-
-
-@njit(inline="always")
-def _drawn(state):  # type: ignore[no-untyped-def]
-    """The next random number from 0 to 1."""
-    state[0] += _GOLDEN
-    return float(_mixed(state[0]) >> np.uint64(11)) * 2.0**-53
 
 
 @njit(**INNER)
@@ -191,9 +164,9 @@ def _scatter(roots, state, n, placed, home):  # type: ignore[no-untyped-def]
     for _ in range(int(ARRIVALS * (width / cell * WIDTH / CELLS) ** 3)):
         beyond = 0.0
         for a in range(3):
-            p[a] = _drawn(state) * width
+            p[a] = drawn(state) * width
             beyond += max(max(RIM * cell - p[a], p[a] - (width - RIM * cell)), 0.0)
-        if _drawn(state) > np.exp(-FADING * beyond / cell):
+        if drawn(state) > np.exp(-FADING * beyond / cell):
             continue
         r = (int(p[0] / cell) * shape[1] + int(p[1] / cell)) * shape[2] + int(p[2] / cell)
         if start[r + 1] > start[r] and free(p, x, grid, steps, shape, cell, l2):
@@ -216,9 +189,9 @@ def _saturate(active, root, roots, state, n, placed, home, max_level, rate):  # 
         for _ in range(int(rate * count) + 1):
             if count == 0:
                 break
-            v = int(_drawn(state) * count)
+            v = int(drawn(state) * count)
             for a in range(3):
-                p[a] = (active[v, a] + _drawn(state)) * side
+                p[a] = (active[v, a] + drawn(state)) * side
             r = root[v]
             if not free(p, x, grid, steps, shape, cell, l2):
                 continue
@@ -263,7 +236,7 @@ def _filled(todo, l_f, origin, key, table, cells, steps, x, home, n, max_level, 
         active, root = _own_voxels(here, size, shape, roots)
         if len(active) == 0:
             continue
-        state[0] = _mixed(key ^ _mixed(np.uint64(b)))
+        state[0] = mixed(key ^ mixed(np.uint64(b)))
         before = _gather(here, level, lower, side, x, table, own, grid, near)
         placed = Placed(own, grid, steps, shape, side, spacing * spacing)
         after = _scatter(roots, state, before, placed, own_home)

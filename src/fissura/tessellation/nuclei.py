@@ -18,10 +18,11 @@ from fissura.errors import InputError
 from fissura.files.text import check_file, read_text
 from fissura.specimen import Domain
 from fissura.specimen.complex import Complex
-from fissura.tessellation.blocks import filled, mixed
+from fissura.tessellation.blocks import filled
 from fissura.tessellation.levels import LeastSpacing, Levels
 from fissura.tessellation.limits import LEVELS, MOST_BYTES, MOST_BYTES_OF_TEXT, ON_SURFACE
 from fissura.tessellation.placement import place
+from fissura.tessellation.random import random_of
 
 _KEY = "discretization.nuclei"
 
@@ -146,7 +147,7 @@ class Nuclei:
             self,
             x=x,
             home=home,
-            priority=_by_level(levels.level_of(identity), mixed(np.uint64(key), identity)),
+            priority=_by_level(levels.level_of(identity), random_of(np.uint64(key), identity)),
             blocks=replace(self.blocks, known=np.union1d(known, todo), identity=identity),
         )
 
