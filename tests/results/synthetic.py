@@ -184,6 +184,7 @@ def simulation(control=None, **output):
         nuclei_given=0,
         initial_stiffness=1.5e8,
         elastic_scale=0.9,
+        calibration_error=None,
         cpu_repeated=0.1,
         cpu_refining=0.2,
     )

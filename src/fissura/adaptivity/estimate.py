@@ -8,7 +8,7 @@ nearer the coarse part is to the crack, the more its elastic field is off. Over 
 from fissura.adaptivity import limits
 
 
-def load_error_bound(utilisation: float, radius: float = limits.RADIUS) -> float:
+def load_error_bound(utilisation: float, radius: float = limits.RADIUS, calibration: float = 0.0) -> float:
     """Bound of the error of the load that holds for 90 % of the runs of the study, over the peak load.
 
     Parameters
@@ -17,5 +17,7 @@ def load_error_bound(utilisation: float, radius: float = limits.RADIUS) -> float
         Largest effective traction over strength among elastic contacts in the whole run.
     radius : float, optional
         ``r_f`` over ``l_f``.
+    calibration : float, optional
+        Relative error of the compliance that elastic calibration met: all loads before the peak share it.
     """
-    return float(limits.PER_UTILISATION * utilisation * (limits.RADIUS / radius) ** limits.POWER)
+    return float(limits.PER_UTILISATION * utilisation * (limits.RADIUS / radius) ** limits.POWER) + calibration

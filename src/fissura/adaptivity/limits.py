@@ -21,6 +21,41 @@ TOLERANCE_OF_TWO = 3e-3
 #: A change of the factor by less than this share needs no check: the slope leaves out 0.15 times its square at most.
 SMALL_CHANGE = 0.03
 
+# Elastic calibration of large specimens (`benchmarks/calibration_sequence.py`)
+
+#: Most bodies at full resolution that are solved for: up to here that takes 10 s and 0.9 GB.
+LARGEST_SOLVED = 50_000
+
+#: Most bodies of a discretization of the sequence, and most of them that are fine.
+MOST_OF_SEQUENCE, MOST_FINE = 40_000, 10_000
+
+#: Coarse spacing over `l_f` with which the sequence begins, unless that leaves more bodies than these; the ratio of
+#: one to the next; and the least.
+COARSEST, FEWEST_OF_SEQUENCE, RATIO, FINEST = 8.0, 4_000, 2.0**0.5, 1.9
+
+#: Discretizations from which the limit is extrapolated, and most in all.
+LEVELS, MOST_LEVELS = 3, 6
+
+#: Radii over `l_f` of what is fine around notch tips, loads, supports and gauges; the largest that is not too large.
+RADII = (4.0, 8.0, 12.0, 16.0)
+
+#: Growth of the spacing with the distance from what is fine.
+GRADING = 1.0 / 3.0
+
+#: Stiffness of the surface of the bulk over that of a layer of one spacing, at these ratios `alpha`.
+LAYER_AT = (0.01, 0.05, 0.1, 0.2, 0.29, 0.4, 0.6, 0.8, 1.0)
+LAYER = (-0.180, -0.0518, -0.0173, 0.0038, 0.0094, 0.0108, 0.0085, 0.0044, 0.0)
+
+#: Error that is always there, of one specimen against the mean of all; and the share of the last change by the radius.
+FLOOR, SHARE_OF_RADIUS = 1e-3, 0.5
+
+#: Ratios of stiffness are the same where they differ by less, and where their digits are.
+ROUND_OFF, DIGITS = 1e-9, 9
+
+#: Norm of the residual that is left, of that of the load: 1e-4 leaves 5e-6 of the compliance. Vectors that generalized
+#: minimal residuals keep, and how often they start.
+RESIDUAL, MOST_VECTORS, STARTS = 1e-4, 100, 5
+
 # Coarsening (`benchmarks/adaptivity.py`)
 
 #: Steps between two changes of the discretization: a region that has just grown is still needed.

@@ -48,6 +48,11 @@ class Regions:
             np.array([part.upper for part in boxes]).reshape(-1, 3),
         )
 
+    @classmethod
+    def everywhere(cls) -> Regions:
+        """All of space."""
+        return cls(lower=np.full((1, 3), -np.inf), upper=np.full((1, 3), np.inf))
+
     def __len__(self) -> int:
         return len(self.balls) + len(self.lower)
 

@@ -66,9 +66,9 @@ def build_summary(
     case = simulation.case
     numbers = curve_numbers(curve)
     used = numbers["max_elastic_utilisation"]
-    bound = None
+    bound, of_calibration = None, simulation.calibration_error
     if not simulation.full and used is not None:
-        bound = load_error_bound(used, case.adaptivity.r_f / case.discretization.l_f)
+        bound = load_error_bound(used, case.adaptivity.r_f / case.discretization.l_f, of_calibration or 0.0)
     summary = {
         "format_version": FORMAT_VERSION,
         "case": case.name,
@@ -82,6 +82,7 @@ def build_summary(
         **numbers,
         "initial_stiffness_N_per_m": simulation.initial_stiffness if numbers["steps"] else None,
         "elastic_scale": simulation.elastic_scale,
+        "calibration_error": of_calibration,
         "load_error_bound": bound,
         "tolerance": case.adaptivity.tolerance,
         "bodies_start": simulation.bodies_start,

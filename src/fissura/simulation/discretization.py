@@ -10,7 +10,9 @@ from fissura.adaptivity import (
     ElasticState,
     Layout,
     RefinedRegion,
+    bodies_of_calibration,
     calibrated,
+    extrapolated_compliance,
     gauge_compliance,
     needed_bodies,
     region_from_case,
@@ -21,7 +23,7 @@ from fissura.case.registry import CRITERIA
 from fissura.equilibrium import Response, System, check_places
 from fissura.errors import InputError
 from fissura.machine.kernel_threads import KernelThreads
-from fissura.material import check_not_everywhere, field_from_case
+from fissura.material import Regions, check_not_everywhere, field_from_case
 from fissura.simulation import limits
 from fissura.simulation.described import described
 from fissura.simulation.memory import estimated_bodies
@@ -67,6 +69,8 @@ class Discretization:
     compliance : float or None
         Controlled quantity per unit load of the undamaged structure at full resolution [m/N]; known when calibration
         has needed it.
+    compliance_error : float or None
+        Estimate of its relative error where it was extrapolated; None where it was solved for.
     """
 
     def __init__(self, case: Case, *, full: bool) -> None:
@@ -85,6 +89,7 @@ class Discretization:
         if self._elastic.contains(self.nuclei.x).all():  # facets between nuclei may lie outside all the same
             check_not_everywhere(self._elastic, self._whole().contacts.centroid)
         self.compliance: float | None = None
+        self.compliance_error: float | None = None
         start = self._discretized(self.layout.region)
         check_places(self._conditions, self._near_places(), case.discretization.l_f, start=False)
         if not len(start.contacts) and len(start) < self.bodies_full:
@@ -139,13 +144,29 @@ class Discretization:
             smooth=self._case.adaptivity.coarse_part == "smooth",
         )
 
+    def _undamaged(self, region: RefinedRegion) -> System:
+        """Equations for another region, with contacts of the material everywhere, which stay elastic."""
+        tessellation = self._discretized(region).without_shapes()
+        linear, elastic = self._case.solver.linear, Regions.everywhere()
+        return System(tessellation, self._material, self._law, self._conditions, linear, elastic, threads=self._threads)
+
     def _calibrated(self, system: System) -> System:
         """The same equations, their elastic part calibrated when the case asks for that."""
         if self._full or not self._case.adaptivity.calibrate:
             return system
         if self.compliance is None:
-            self.compliance = gauge_compliance(self._equations(self._whole()))
+            self.compliance, self.compliance_error = self._found_compliance()
         return calibrated(system, self.compliance, self.system.elastic_scale)
+
+    def _found_compliance(self) -> tuple[float, float | None]:
+        """Compliance at full resolution [m/N], extrapolated for large specimens, and then its relative error."""
+        if bodies_of_calibration(self.bodies_full) < self.bodies_full:
+            region, before = region_from_case(self._case, self.domain, full=False), self.nuclei
+            found = extrapolated_compliance(self._undamaged, region, self._conditions.points, self.bodies_full)
+            self.nuclei = before  # a run does not carry along what only this has needed
+            if found is not None:
+                return found.compliance, found.error
+        return gauge_compliance(self._equations(self._whole())), None
 
     @property
     def conditions(self) -> Conditions:

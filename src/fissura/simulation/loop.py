@@ -105,6 +105,11 @@ class Simulation:
         return 1.0 if self.state is None else self.state.layout.elastic_scale
 
     @property
+    def calibration_error(self) -> float | None:
+        """Relative error of the compliance that calibration met, as estimated; None where it was solved for."""
+        return None if self.state is None else self.state.start.compliance_error
+
+    @property
     def initial_stiffness(self) -> float:
         """Load over controlled quantity of the elastic structure at the start [N/m]; nan before it is known."""
         return float("nan") if self.state is None else self.state.start.stiffness

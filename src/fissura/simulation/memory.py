@@ -1,5 +1,6 @@
 """Memory that runs need, by their number of bodies."""
 
+from fissura.adaptivity import bodies_of_calibration
 from fissura.case import Case
 from fissura.case.plausible import suspect
 from fissura.errors import InputError
@@ -96,8 +97,8 @@ def require_memory(case: Case, *, full: bool = False) -> None:
             f"{problem}; {task} takes about {gigabytes(need)}, this machine has {gigabytes(machine)}",
             "a larger spacing" + (", or a run without full resolution" if full else ""),
         )
-    # Calibration solves the elastic structure once at full resolution.
-    elastic = estimate_elastic_memory(bodies)
+    # Calibration solves the elastic structure once at full resolution, or where that is large, coarser ones.
+    elastic = estimate_elastic_memory(bodies_of_calibration(bodies))
     if not full and case.adaptivity.calibrate and elastic > machine:
         raise InputError(
             "adaptivity.calibrate",

@@ -99,6 +99,7 @@ class Model:
             drive, kept = self.legs[state.leg.index].drive, state.leg.kept
         self._state = None
         self.discretization.compliance = state.start.compliance
+        self.discretization.compliance_error = state.start.compliance_error
         return self.discretization.at(state.layout, drive, kept)
 
     def snapshot(self, state: State) -> Snapshot:

@@ -59,7 +59,7 @@ def started(model: Model, bodies: tuple[int, str]) -> State:
         raise backward_gauge(system.conditions, stiffness)
     if discretization.compliance is not None:
         off = stiffness * discretization.compliance - 1.0
-        if abs(off) > limits.STIFFNESS_ERROR:
+        if abs(off) > limits.STIFFNESS_ERROR + (discretization.compliance_error or 0.0):
             kind = f"is {abs(off):.0%} too {'stiff' if off > 0.0 else 'soft'} against full resolution"
             if stiffness < 0.0:
                 kind = f"moves the {case.quantity} the other way than full resolution does"
@@ -71,7 +71,8 @@ def started(model: Model, bodies: tuple[int, str]) -> State:
             )
     rest = system.response(np.zeros(system.size), system.virgin())
     used = system.largest_utilisation(unit.response)
-    start = Start(stiffness, 1.0 / used if used > 0.0 else np.inf, discretization.compliance)
+    limit = 1.0 / used if used > 0.0 else np.inf
+    start = Start(stiffness, limit, discretization.compliance, discretization.compliance_error)
     nothing = np.zeros(len(system.conditions.load_names))
     rested, totals = Equilibrium(rest, 0.0, 0.0), Totals(nothing, nothing)
     met = _sliding(system, unit)

@@ -22,11 +22,14 @@ class Start:
     compliance : float or None
         Controlled quantity per unit load of the undamaged structure at full resolution [m/N]; None where nothing is
         calibrated.
+    compliance_error : float or None
+        Estimate of its relative error where it was extrapolated; None elsewhere.
     """
 
     stiffness: float
     limit: float
     compliance: float | None = None
+    compliance_error: float | None = None
 
 
 @dataclass(frozen=True)

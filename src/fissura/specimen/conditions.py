@@ -152,6 +152,12 @@ class Conditions:
         return replace(last, quantity="displacement" if last.gauge is None else "gauge")
 
     @property
+    def points(self) -> FloatArray:
+        """Points at which supports, loads and gauges are, shape (p, 3) [m]."""
+        found = [functional.points for functional in (*self.supports, *self.loads, *self.gauges)]
+        return np.unique(np.concatenate([np.empty((0, 3)), *found]), axis=0)
+
+    @property
     def middle(self) -> FloatArray:
         """Point about which moments are told, shape (3,) [m]: the middle of the first load of the last stage.
 

@@ -162,7 +162,9 @@ def measure(adaptive: Record, full: Record) -> Measures:
         repeated=float(summary["cpu_repeated_s"]) / cpu,
         refining=float(summary["cpu_refining_s"]) / cpu,
         bound=load_error_bound(
-            float(adaptive.indicators["utilisation"].max()), float(adaptive.case["adaptivity"]["r_f"]) / l_f
+            float(adaptive.indicators["utilisation"].max()),
+            float(adaptive.case["adaptivity"]["r_f"]) / l_f,
+            float(summary.get("calibration_error") or 0.0),
         ),
         indicators={name: float(values.max()) for name, values in adaptive.indicators.items()}
         | {"calibration": abs(float(summary["elastic_scale"]) - 1.0)},

@@ -1,0 +1,168 @@
+"""The compliance at full resolution of large specimens, without a solution there.
+
+Discretizations that are fine around notch tips, loads, supports and gauges, and coarser and coarser elsewhere, are made
+homogeneous outside (`adaptivity/homogeneous.py`). Homogeneous parts are exact in uniform strain, so what is left of
+their error comes from gradients, goes with the square of the spacing, and hardly scatters: its limit can be
+extrapolated. Without the homogeneous part the compliance scatters by 1 % from one discretization to the next.
+"""
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fissura.adaptivity import limits
+from fissura.adaptivity.homogeneous import homogeneous, homogeneous_compliance, is_tabulated
+from fissura.adaptivity.region import RefinedRegion
+from fissura.arrays import FloatArray
+from fissura.equilibrium import System
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Extrapolated:
+    """Compliance at full resolution, extrapolated.
+
+    Attributes
+    ----------
+    compliance : float
+        Controlled quantity per unit load of the undamaged structure [m/N].
+    error : float
+        Estimate of its error, relative.
+    radius : float
+        Radius of what was fine [m].
+    spacings, values : (k,) array
+        Coarse spacings of the sequence [m], descending, and their compliances [m/N].
+    bodies : tuple of int
+        Their numbers of bodies.
+    """
+
+    compliance: float
+    error: float
+    radius: float
+    spacings: FloatArray
+    values: FloatArray
+    bodies: tuple[int, ...]
+
+
+def bodies_of_calibration(bodies: float) -> float:
+    """Bodies of the largest elastic solution that calibration needs, by those of full resolution."""
+    return bodies if bodies <= limits.LARGEST_SOLVED else limits.MOST_OF_SEQUENCE
+
+
+def coarser(region: RefinedRegion, places: FloatArray, radius: float, spacing: float) -> RefinedRegion:
+    """A region of the sequence.
+
+    Parameters
+    ----------
+    region : RefinedRegion
+        What is fine at the start of a run.
+    places : (p, 3) array
+        Points of loads, supports and gauges [m].
+    radius : float
+        What is fine around them and around notch tips [m].
+    spacing : float
+        Coarse spacing [m].
+    """
+    ramp = (spacing - region.l_f) / limits.GRADING
+    tip = max(radius, region.r_f if region.r_l is None else region.r_l)
+    return replace(region, l_c=spacing, ramp=ramp, r_l=tip, r_w=radius, needed=places)
+
+
+class _Sequence:
+    """Solutions one after another."""
+
+    def __init__(self, equations: Callable[[RefinedRegion], System], region: RefinedRegion, places: FloatArray) -> None:
+        self._equations, self._region, self._places = equations, region, places
+        self.bodies = self.fine = 0
+
+    def system(self, radius: float, spacing: float) -> System:
+        """Equations with that radius and spacing, both over the fine one."""
+        l_f = self._region.l_f
+        return self._equations(coarser(self._region, self._places, radius * l_f, spacing * l_f))
+
+    def compliance(self, radius: float, spacing: float, system: System | None = None) -> float:
+        """Compliance with them."""
+        l_f = self._region.l_f
+        system = self.system(radius, spacing) if system is None else system
+        self.bodies, self.fine = len(system.tessellation), int(system.tessellation.fine.sum())
+        found = homogeneous_compliance(homogeneous(system, l_f))
+        _log.debug("%d bodies, %g l_f beyond %g l_f: %.6g m/N", self.bodies, spacing, radius, found)
+        return found
+
+
+def _window(sequence: _Sequence, spacing: float) -> tuple[float, float, float, int, int] | None:
+    """Radius of what is fine, as large as it may have bodies; compliance with it, its last change, and bodies."""
+    radius, change = limits.RADII[0], 0.0
+    first = sequence.system(radius, spacing)
+    if not is_tabulated(first):
+        return None
+    value, bodies, fine = sequence.compliance(radius, spacing, first), sequence.bodies, sequence.fine
+    for larger in limits.RADII[1:]:
+        if fine * (larger / radius) ** 2 > limits.MOST_FINE:
+            break
+        before, radius = value, larger
+        value, bodies, fine = sequence.compliance(radius, spacing), sequence.bodies, sequence.fine
+        change = value - before
+    return radius, value, change, bodies, fine
+
+
+def extrapolated_compliance(
+    equations: Callable[[RefinedRegion], System], region: RefinedRegion, places: FloatArray, bodies: int
+) -> Extrapolated | None:
+    """Extrapolate the compliance at full resolution from coarser discretizations of a specimen.
+
+    Parameters
+    ----------
+    equations : callable
+        Gives the equations for a region.
+    region : RefinedRegion
+        What is fine at the start of the run.
+    places : (p, 3) array
+        Points of loads, supports and gauges [m]: rigid bodies are pressed in less the larger they are.
+    bodies : int
+        Bodies at full resolution.
+
+    Returns
+    -------
+    Extrapolated or None
+        None where the constants of the bulk are not known.
+
+    Raises
+    ------
+    SingularMatrixError
+        The structure is a mechanism.
+    """
+    sequence = _Sequence(equations, region, places)
+    spacing = max(limits.COARSEST, (bodies / limits.FEWEST_OF_SEQUENCE) ** (1 / 3))
+    window = _window(sequence, spacing)
+    if window is None:
+        return None
+    radius, value, change, used, fine = window
+    spacings, values, numbers = [spacing], [value], [used]
+    while len(spacings) < limits.MOST_LEVELS:
+        spacing /= limits.RATIO
+        expected = fine + (numbers[-1] - fine) * limits.RATIO**3
+        if spacing < limits.FINEST or (expected > limits.MOST_OF_SEQUENCE and len(spacings) >= limits.LEVELS):
+            break
+        values.append(sequence.compliance(radius, spacing))
+        spacings.append(spacing)
+        numbers.append(sequence.bodies)
+        fine = sequence.fine
+    return _extrapolated(np.array(spacings), np.array(values), change, radius * region.l_f, tuple(numbers), region.l_f)
+
+
+def _extrapolated(
+    spacings: FloatArray, values: FloatArray, change: float, radius: float, bodies: tuple[int, ...], l_f: float
+) -> Extrapolated:
+    """Limit of the finest members; its error is what another form would make of it, and what the radius did."""
+    at, found = spacings[-limits.LEVELS :], values[-limits.LEVELS :]
+    square = np.polynomial.Polynomial.fit(at**2, found, 1)(1.0)
+    straight = np.polynomial.Polynomial.fit(at, found, 1)(1.0)
+    error = 0.0
+    if square != 0.0:
+        error = limits.FLOOR + (abs(square - straight) + limits.SHARE_OF_RADIUS * abs(change)) / abs(square)
+    _log.info("compliance at full resolution extrapolated, to about %.1g", error)
+    return Extrapolated(float(square), float(error), radius, spacings * l_f, values, bodies)
