@@ -67,6 +67,7 @@ def test_merged_changes_tables_key_by_key_and_replaces_all_else():
         ("seeds = [2, 3]", 'specimens = ["bean"]', "variations[1].specimens", "'bean' is not known"),
         ("adaptivity.r_f", "material.E", "variations[1].change.material", "adaptivity, discretization, solver"),
         ("adaptivity.r_f", "discretization.l_f", "variations[1].change.discretization.l_f", "full resolution"),
+        ("adaptivity.r_f", "discretization.placement", "variations[1].change.discretization.placement", "full resolu"),
         ('"20 mm"', '"20 kg"', "variations[1] on specimens[0] (beam, wide): adaptivity.r_f", "kg"),
         ('"25 mm"', '"-1 mm"', "specimens[1] (deep): notch.depth", "negative"),
         ("change.notch", "change.notsch", "specimens[1] (deep): notsch", "did you mean notch"),

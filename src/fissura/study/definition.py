@@ -25,9 +25,9 @@ MOST_RUNS = 100_000
 #: Most cases of a study, all of which are validated before the first run.
 _MOST_CASES = 10_000
 
-#: Tables of a case that a variation may change; full resolution depends on nothing in them but the two fixed keys.
+#: Tables of a case that a variation may change; full resolution depends on nothing in them but the fixed keys.
 _VARIED = ("adaptivity", "discretization", "solver")
-_FIXED = (("discretization", "l_f"), ("discretization", "nuclei"))
+_FIXED = tuple(("discretization", key) for key in ("l_f", "nuclei", "placement"))
 
 _NAME = 'up to 60 characters: letters, digits and any of "_ + - . = , %" and blanks'
 

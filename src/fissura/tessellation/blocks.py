@@ -3,8 +3,7 @@
 Nuclei of coarser levels and of neighbours with lower colours are there already. First come random trials, fewer and
 fewer beyond the faces of the block, then the block is saturated as a whole specimen is
 (`fissura.tessellation.placement`): trials fall into active voxels, which are divided until none is left. What is near
-the face between two blocks is left to the later one. A block that is saturated alone, up to its faces, has nuclei
-crowded along them as along a wall, 2.2 times as dense as on average, and 0.2 times on the other side.
+the face between two blocks is left to the later one, else nuclei would crowd along it as along a wall.
 """
 
 from typing import NamedTuple
@@ -119,14 +118,15 @@ def _gather(here, level, lower, side, known, table, x, grid, near):  # type: ign
     first, count, shape, base = table
     n = 0
     most = CELLS + 2 * RIM + 4
-    low, high = here - 1, here + 1
+    low, high = here.copy(), here.copy()
     for m in range(level, len(shape)):
         if m > level:
             for a in range(3):
                 low[a], high[a] = (low[a] - 1) >> 1, (high[a] + 1) >> 1
-        for i in range(max(low[0], 0), min(high[0], shape[m, 0] - 1) + 1):
-            for j in range(max(low[1], 0), min(high[1], shape[m, 1] - 1) + 1):
-                for k in range(max(low[2], 0), min(high[2], shape[m, 2] - 1) + 1):
+        around = 1 if m == level else 0
+        for i in range(max(low[0] - around, 0), min(high[0] + around, shape[m, 0] - 1) + 1):
+            for j in range(max(low[1] - around, 0), min(high[1] + around, shape[m, 1] - 1) + 1):
+                for k in range(max(low[2] - around, 0), min(high[2] + around, shape[m, 2] - 1) + 1):
                     if m == level and _colour(i, j, k) >= _colour(here[0], here[1], here[2]):
                         continue
                     b = base[m] + (i * shape[m, 1] + j) * shape[m, 2] + k
@@ -178,24 +178,23 @@ def _scatter(roots, state, n, placed, home):  # type: ignore[no-untyped-def]
 
 
 @njit(**INNER)
-def _saturate(active, root, roots, state, n, placed, home, max_level, rate):  # type: ignore[no-untyped-def]
+def _saturate(active, root, roots, state, n, placed, home):  # type: ignore[no-untyped-def]
     """Add nuclei to the `n` that are there until the block can take no more; returns their number."""
     x, grid, steps, shape, cell, l2 = placed
     active, root = divided(active, root, 1, cell, roots, placed)
     _, start, cells, begin, end, normal, offset = roots
     side, level, count = cell, 0, len(active)
     p = np.empty(3)
-    while count > 0 and level <= max_level:
-        for _ in range(int(rate * count) + 1):
+    while count > 0 and level <= MOST_LEVELS:
+        for _ in range(int(TRIALS_PER_VOXEL * count) + 1):
             if count == 0:
                 break
             v = int(drawn(state) * count)
             for a in range(3):
                 p[a] = (active[v, a] + drawn(state)) * side
-            r = root[v]
             if not free(p, x, grid, steps, shape, cell, l2):
                 continue
-            k = holder(p, r, start, cells, begin, end, normal, offset, 0.0)
+            k = holder(p, root[v], start, cells, begin, end, normal, offset, 0.0)
             if k < 0:
                 continue
             _put(p, k, n, placed, home)
@@ -212,7 +211,7 @@ def _saturate(active, root, roots, state, n, placed, home, max_level, rate):  # 
 
 
 @njit()
-def _filled(todo, l_f, origin, key, table, cells, steps, x, home, n, max_level, rate):  # type: ignore[no-untyped-def]
+def _filled(todo, l_f, origin, key, table, cells, steps, x, home, n):  # type: ignore[no-untyped-def]
     """Place nuclei in blocks, one after another."""
     first, count, shapes, base = table
     shape = np.full(3, CELLS + 2 * RIM, np.int64)
@@ -240,7 +239,7 @@ def _filled(todo, l_f, origin, key, table, cells, steps, x, home, n, max_level, 
         before = _gather(here, level, lower, side, x, table, own, grid, near)
         placed = Placed(own, grid, steps, shape, side, spacing * spacing)
         after = _scatter(roots, state, before, placed, own_home)
-        after = _saturate(active, root, roots, state, after, placed, own_home, max_level, rate)
+        after = _saturate(active, root, roots, state, after, placed, own_home)
         while n + after - before > len(x):
             x, home = taller(x), longer(home)
         for q in range(before, after):
@@ -293,10 +292,8 @@ def filled(
     cells = _Shape(complex_.low, complex_.high, complex_.plane_start, complex_.normal, complex_.offset)
     _, steps = surroundings(np.full(3, CELLS + 2 * RIM - 0.5), 1.0)
     n, table = len(x), (first, count, levels.shape, levels.base)
-    room = (np.empty((MOST_IN_BLOCK, 3)), np.empty(MOST_IN_BLOCK, np.int64))
-    x, home = np.concatenate([x, room[0]]), np.concatenate([home, room[1]])
-    tuning = (MOST_LEVELS, TRIALS_PER_VOXEL)
-    x, home, total = _filled(todo, levels.l_f, levels.origin, np.uint64(key), table, cells, steps, x, home, n, *tuning)
+    x, home = (np.concatenate([old, np.empty_like(old, shape=(1024, *old.shape[1:]))]) for old in (x, home))
+    x, home, total = _filled(todo, levels.l_f, levels.origin, np.uint64(key), table, cells, steps, x, home, n)
     number = np.arange(n, total) - np.repeat(first[todo], count[todo])
     identity = np.concatenate([identity, np.repeat(todo, count[todo]) * MOST_IN_BLOCK + number])
     order = np.argsort(identity, kind="stable")
