@@ -22,6 +22,7 @@ CASES = {
     "full resolution": {"discretization__l_f": 0.012, "discretization__l_c": 0.03},
     "field": {**REMEMBERED["field"], "control__target": 5e-5},
     "two levels": {**REMEMBERED["two levels"], "output__vtk": 0},
+    "coarsening in blocks": {**REMEMBERED["coarsening"], "discretization__placement": "blocks"},
 }
 
 
