@@ -62,10 +62,12 @@ def coarser(region: RefinedRegion, places: FloatArray, radius: float, spacing: f
     places : (p, 3) array
         Points of loads, supports and gauges [m].
     radius : float
-        What is fine around them and around notch tips [m].
+        What is fine around them and around notch tips [m]; with 0 only what is at the start of a run.
     spacing : float
         Coarse spacing [m].
     """
+    if radius == 0.0:
+        places = places[:0]
     ramp = (spacing - region.l_f) / limits.GRADING
     tip = max(radius, region.r_f if region.r_l is None else region.r_l)
     return replace(region, l_c=spacing, ramp=ramp, r_l=tip, r_w=radius, needed=places)
@@ -93,20 +95,47 @@ class _Sequence:
         return found
 
 
-def _window(sequence: _Sequence, spacing: float) -> tuple[float, float, float, int, int] | None:
-    """Radius of what is fine, as large as it may have bodies; compliance with it, its last change, and bodies."""
-    radius, change = limits.RADII[0], 0.0
-    first = sequence.system(radius, spacing)
-    if not is_tabulated(first):
-        return None
-    value, bodies, fine = sequence.compliance(radius, spacing, first), sequence.bodies, sequence.fine
-    for larger in limits.RADII[1:]:
-        if fine * (larger / radius) ** 2 > limits.MOST_FINE:
+@dataclass(frozen=True)
+class _Window:
+    """What is fine in a sequence.
+
+    Attributes
+    ----------
+    radius : float
+        Its radius over `l_f`.
+    value, change : float
+        Compliance with it, and what is new against the radius before [m/N].
+    bodies, fine : int
+        All bodies, and fine ones.
+    """
+
+    radius: float
+    value: float
+    change: float
+    bodies: int
+    fine: int
+
+
+def _window(sequence: _Sequence, spacing: float) -> _Window | None:
+    """As large a window as it may have bodies; None where the constants of the bulk are not known."""
+    found: _Window | None = None
+    for radius in limits.RADII:
+        if (
+            found is not None
+            and found.radius > limits.SURE
+            and (found.fine * (radius / found.radius) ** 2 > limits.MOST_FINE)
+        ):
             break
-        before, radius = value, larger
-        value, bodies, fine = sequence.compliance(radius, spacing), sequence.bodies, sequence.fine
-        change = value - before
-    return radius, value, change, bodies, fine
+        system = sequence.system(radius, spacing)
+        fine = int(system.tessellation.fine.sum())
+        if found is None and not is_tabulated(system):
+            return None
+        if found is not None and fine > limits.MOST_FINE:  # loads and supports on whole faces of large specimens
+            break
+        value = sequence.compliance(radius, spacing, system)
+        change = 0.0 if found is None else value - found.value
+        found = _Window(radius, value, change, sequence.bodies, fine)
+    return found
 
 
 def extrapolated_compliance(
@@ -140,18 +169,18 @@ def extrapolated_compliance(
     window = _window(sequence, spacing)
     if window is None:
         return None
-    radius, value, change, used, fine = window
-    spacings, values, numbers = [spacing], [value], [used]
+    spacings, values, numbers, fine = [spacing], [window.value], [window.bodies], window.fine
     while len(spacings) < limits.MOST_LEVELS:
         spacing /= limits.RATIO
         expected = fine + (numbers[-1] - fine) * limits.RATIO**3
         if spacing < limits.FINEST or (expected > limits.MOST_OF_SEQUENCE and len(spacings) >= limits.LEVELS):
             break
-        values.append(sequence.compliance(radius, spacing))
+        values.append(sequence.compliance(window.radius, spacing))
         spacings.append(spacing)
         numbers.append(sequence.bodies)
         fine = sequence.fine
-    return _extrapolated(np.array(spacings), np.array(values), change, radius * region.l_f, tuple(numbers), region.l_f)
+    radius = window.radius * region.l_f
+    return _extrapolated(np.array(spacings), np.array(values), window.change, radius, tuple(numbers), region.l_f)
 
 
 def _extrapolated(

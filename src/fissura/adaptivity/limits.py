@@ -36,8 +36,9 @@ COARSEST, FEWEST_OF_SEQUENCE, RATIO, FINEST = 8.0, 4_000, 2.0**0.5, 1.9
 #: Discretizations from which the limit is extrapolated, and most in all.
 LEVELS, MOST_LEVELS = 3, 6
 
-#: Radii over `l_f` of what is fine around notch tips, loads, supports and gauges; the largest that is not too large.
-RADII = (4.0, 8.0, 12.0, 16.0)
+#: Radii over `l_f` of what is fine around notch tips, loads, supports and gauges; the largest that is not too large. Up
+#: to a radius of this the number of fine bodies cannot be told from that of the one before.
+RADII, SURE = (0.0, 2.0, 4.0, 8.0, 12.0, 16.0), 2.0
 
 #: Growth of the spacing with the distance from what is fine.
 GRADING = 1.0 / 3.0
