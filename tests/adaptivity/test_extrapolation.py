@@ -103,7 +103,7 @@ def test_regions_of_the_sequence(small_case):
 )
 def test_a_small_specimen_as_if_it_were_large(small_case, small_limits, changes, monkeypatch):
     """Twelve bodies over the depth and six over the ligament: errors go with the size of bodies over that of the beam,
-    and were 1.9 % at most in six such beams; in beams of 40 to 160 bodies 0.14 % (`benchmarks/calibration_sequence.py`).
+    and were 1.9 % at most in six such beams; in those of 40 to 160 bodies 0.14 % (`benchmarks/calibration_sequence.py`).
     """
     case = small_case(**{"discretization__l_f": 0.005, "discretization__l_c": 0.02, **changes})
     found = Simulation(case).start().start
