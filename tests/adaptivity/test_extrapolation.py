@@ -102,8 +102,10 @@ def test_regions_of_the_sequence(small_case):
     "changes", [{}, {"adaptivity__r_f": 0.024}, {"field": {"length": 0.03}}, {"discretization__placement": "blocks"}]
 )
 def test_a_small_specimen_as_if_it_were_large(small_case, small_limits, changes, monkeypatch):
-    """Twelve bodies over the depth and six over the ligament: errors go with the size of bodies over that of the beam,
-    and were 1.9 % at most in six such beams; in those of 40 to 160 bodies 0.14 % (`benchmarks/calibration_sequence.py`).
+    """Twelve bodies over the depth, six over the ligament.
+
+    Errors go with the size of bodies over that of the beam. They were 1.9 % at most in six such beams, and 0.14 % where
+    40 to 160 bodies fit into the depth (`benchmarks/calibration_sequence.py`).
     """
     case = small_case(**{"discretization__l_f": 0.005, "discretization__l_c": 0.02, **changes})
     found = Simulation(case).start().start
