@@ -142,6 +142,7 @@ def test_the_error_is_part_of_the_bound():
 
 def test_a_run_tells_the_error_and_goes_on_with_it(small_case, small_limits, tmp_path):
     fine = {"discretization__l_f": 0.005, "discretization__l_c": 0.02, "adaptivity__r_f": 0.012, "output__vtk": 0}
+    fine |= {"control__max_step": 4e-7, "control__first_step": 1e-7, "control__min_step": 1e-9}
     case = small_case(control__target=2e-5, **fine)
     fissura.run(case, output=tmp_path / "run")
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
