@@ -1,3 +1,5 @@
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -44,6 +46,28 @@ def test_application_comes_with_its_exact_product(system, make, name):
     found, image = solver.apply_with_product(right)
     product = system.pattern.product(data, found)
     np.testing.assert_allclose(image, product, atol=1e-7 * np.abs(product).max())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_was_released_is_prepared_again_with_the_same_bits(system, make, name):
+    solver = make(name)
+    before = solved(solver, system)
+    solver.release()
+    np.testing.assert_array_equal(solved(solver, system), before)
+
+
+def test_release_gives_memory_back(system, make):
+    solver = make("two-level")
+    tracemalloc.start()
+    solved(solver, system)
+    used = tracemalloc.get_traced_memory()[0]
+    solver.release()
+    given = used - tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    lower = len(system.geometry) + len(
+        system.tessellation
+    )  # blocks of 36 numbers, and their factor in single precision
+    assert given > 36 * (8 + 4) * lower
 
 
 def test_auto_chooses_by_size(system, make, monkeypatch):

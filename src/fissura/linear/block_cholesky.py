@@ -202,6 +202,10 @@ class IncompleteCholesky:
         if self.shifted < 0:
             raise ValueError("a diagonal block is not positive definite")
 
+    def release(self) -> None:
+        """Give back the memory of the factor, until the next one."""
+        self._factor = None
+
     def solve(self, right: FloatArray) -> FloatArray:
         """``(L L^T)^-1`` times a vector; (n, 6) -> (n, 6)."""
         assert self._factor is not None

@@ -109,6 +109,12 @@ class SymmetricSolver:
         self._entries, self._current = entries, self._chosen
         self.matrices += 1
 
+    def release(self) -> None:
+        """Give back the memory of an iterative solver; whoever has prepared it must do so again."""
+        if isinstance(self._chosen, TwoLevel):
+            self.matrices += 1
+            self._chosen.release()
+
     @property
     def took_over(self) -> bool:
         """Whether the direct solver has taken over from another one for the current matrix."""

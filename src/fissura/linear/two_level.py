@@ -178,6 +178,13 @@ class TwoLevel:
         self.shift = self._smoother.share
         self._blocks = blocks
 
+    def release(self) -> None:
+        """Give back the memory of the latest preparation, until the next one; what follows from the pattern stays."""
+        if self._blocks is not None:
+            del self._coarse
+        self._blocks = self._storage = None
+        self._smoother.release()
+
     def solve(self, right: FloatArray, tolerance: float | None = None) -> FloatArray:
         """Solve for one right-hand side after another, to another tolerance if one is given; (n,) or (n, k).
 

@@ -147,6 +147,7 @@ def _worked(state: State, **more: int | float) -> State:
 def _refined(model: Model, state: State, critical: BoolArray, found: Equilibrium) -> State:
     """Refine around critical bodies and settle the last accepted state on the new discretization."""
     old = model.system
+    old.symmetric.release()  # a half of the memory of large runs, which the new equations need
     new = model.discretization.refine(old.tessellation.x[critical])
     state = _moved(state, old, new)
     aim = transfer_history(old.pairs(), found.response.history, new.pairs(), new.virgin())
