@@ -120,8 +120,8 @@ def produce(found: argparse.Namespace) -> Report:
     text = f"""## The coarse part
 
 Largest difference of the load from full resolution over the curve, to an opening past the peak; medians over seeds
-({seeds}). *Effort* is the sum of bodies times linear iterations. `α_c` is the tangential over the normal stiffness of
-coarse contacts, *bending* their resistance to rotation; both are in `equilibrium/limits.py`.
+({seeds}). *Effort* is the sum of bodies times linear iterations. `α_c` is the tangential over the
+normal stiffness of coarse contacts, *bending* their resistance to rotation; both are in `equilibrium/limits.py`.
 
 {table(heads, lines)}"""
     return Report("coarse_part", rows, text, checks)

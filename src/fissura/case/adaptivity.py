@@ -51,7 +51,7 @@ LEVELS = (
 _USUAL = 0.01
 
 #: The same for a smooth coarse part; only these have been measured.
-SMOOTH_LEVELS = (Level(0.01, 0.75, 5.0, 2.0),)
+SMOOTH_LEVELS = (LEVELS[1],)
 
 
 class Adaptivity(Part):
