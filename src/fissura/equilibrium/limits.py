@@ -54,8 +54,8 @@ UNMOVED = 1e-9
 #: twice as large: Poisson's ratio falls from 0.18 to 0.12 with 0.5, to 0.06 and 0 with these.
 SMOOTH_ALPHA = 0.5
 
-#: Rotational stiffness of coarse contacts over that of a square facet of the macroscopic modulus. Errors of the load are
-#: twice as large without it, and a third larger with twice as much.
+#: Rotational stiffness of coarse contacts over that of a square facet of the macroscopic modulus. Errors of the load
+#: are twice as large without it, and a third larger with twice as much.
 BENDING = 1.0
 
 # Corrections of a step (`benchmarks/nonlinear.py`)
