@@ -99,6 +99,15 @@ def test_memory_is_that_of_what_is_placed(monkeypatch):
         require_memory(small_beam(**LONG), full=True)
 
 
+def test_regions_that_are_fine_from_the_start_count():
+    changes = LONG | {"discretization": {"l_f": 0.002, "l_c": 0.032, "placement": "blocks"}}
+    require_memory(small_beam(**changes))
+    everywhere = {"type": "box", "lower": [0.0, 0.0, 0.0], "upper": LONG["specimen__size"]}
+    changes["adaptivity"] = LONG["adaptivity"] | {"regions": [everywhere]}
+    with pytest.raises(InputError, match=r"1\.3e\+09 bodies \(allowed: a spacing that gives at most 5e\+07"):
+        require_memory(small_beam(**changes))
+
+
 def test_given_nuclei_are_refused(tmp_path):
     np.save(tmp_path / "x.npy", np.array([[0.01, 0.02, 0.02]]))
     with pytest.raises(InputError) as caught:

@@ -186,12 +186,16 @@ def extrapolated_compliance(
 def _extrapolated(
     spacings: FloatArray, values: FloatArray, change: float, radius: float, bodies: tuple[int, ...], l_f: float
 ) -> Extrapolated:
-    """Limit of the finest members; its error is what another form would make of it, and what the radius did."""
+    """Limit of the finest members.
+
+    Its error is what another form would make of it, what the radius did, and how far members are from the form.
+    """
     at, found = spacings[-limits.LEVELS :], values[-limits.LEVELS :]
-    square = np.polynomial.Polynomial.fit(at**2, found, 1)(1.0)
+    form = np.polynomial.Polynomial.fit(at**2, found, 1)
+    square, scatter = form(1.0), float(np.abs(found - form(at**2)).max())
     straight = np.polynomial.Polynomial.fit(at, found, 1)(1.0)
     error = 0.0
     if square != 0.0:
-        error = limits.FLOOR + (abs(square - straight) + limits.SHARE_OF_RADIUS * abs(change)) / abs(square)
+        error = limits.FLOOR + (abs(square - straight) + limits.SHARE_OF_RADIUS * abs(change) + scatter) / abs(square)
     _log.info("compliance at full resolution extrapolated, to about %.1g", error)
     return Extrapolated(float(square), float(error), radius, spacings * l_f, values, bodies)

@@ -50,6 +50,9 @@ SPARSEST = 0.349 / SATURATED
 #: The same for nuclei in blocks (`benchmarks/placement.py`).
 IN_BLOCKS = 0.740
 
+#: Points along each axis by which the share of regions in a specimen is counted: only its order matters.
+LATTICE = 20
+
 #: Distance in `l_f` from a place within which its body has its nucleus: within 1 there is one, but it may lie across a
 #: notch, and the nearest on the place's own side as far again.
 NEAR_PLACES = 3.0

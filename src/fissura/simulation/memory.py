@@ -1,10 +1,13 @@
 """Memory that runs need, by their number of bodies."""
 
+import numpy as np
+
 from fissura.adaptivity import bodies_of_calibration
 from fissura.case import Case
 from fissura.case.plausible import suspect
 from fissura.errors import InputError
 from fissura.machine.memory import gigabytes, physical_memory
+from fissura.material import Regions
 from fissura.simulation import limits
 from fissura.specimen import Domain, domain_from_case
 from fissura.specimen.notches import SURFACE
@@ -56,6 +59,18 @@ def estimate_elastic_memory(bodies: float) -> float:
     return limits.BYTES_OF_SOLUTION * bodies + limits.BYTES_BESIDES
 
 
+def _fine_share(case: Case, domain: Domain) -> float:
+    """Share of a specimen that its regions make fine from the start, counted at points of a lattice."""
+    if not case.adaptivity.regions:
+        return 0.0
+    low, high = domain.complex.low.min(axis=0), domain.complex.high.max(axis=0)
+    along = [np.linspace(a, b, 2 * limits.LATTICE + 1)[1::2] for a, b in zip(low, high, strict=True)]
+    points = np.stack(np.meshgrid(*along), axis=-1).reshape(-1, 3)
+    points = points[domain.cell_of(points) >= 0]
+    fine = Regions.from_parts(case.adaptivity.regions).distance(points) <= 0.0
+    return float(fine.mean()) if len(points) else 0.0
+
+
 def require_memory(case: Case, *, full: bool = False) -> None:
     """Refuse a case that cannot fit into this machine, before its nuclei are placed.
 
@@ -81,8 +96,8 @@ def require_memory(case: Case, *, full: bool = False) -> None:
     problem = f"{l_f:g} m in a specimen of {size} m means {least} {bodies:.2g} bodies"
     odd = suspect(case, "specimen")
     part, placed = case.discretization, bodies
-    if part.placement == "blocks" and not full:  # what is coarse; refinement adds little to that
-        placed = _estimated(case, domain, needed_spacing(part.l_f, part.l_c))
+    if part.placement == "blocks" and not full:  # what is coarse, and what regions refine from the start
+        placed = _estimated(case, domain, needed_spacing(part.l_f, part.l_c)) + _fine_share(case, domain) * bodies
     if odd is not None and placed * limits.BYTES_PER_NUCLEUS > machine:
         raise InputError(odd.key, f"{odd.problem}; {problem}", odd.advice)
     if placed > limits.MOST_BODIES:
