@@ -17,6 +17,7 @@ from fissura.adaptivity import limits
 from fissura.arrays import BoolArray, FloatArray, IntArray
 from fissura.case.macroscopic import macroscopic_elasticity
 from fissura.equilibrium import System
+from fissura.equilibrium.coarse_part import poisson
 from fissura.linear import SingularMatrixError
 from fissura.linear.krylov import gmres, norm
 
@@ -60,13 +61,11 @@ def is_tabulated(system: System) -> bool:
 
 def _constants(moduli: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Twice the shear modulus and Lamé's other constant of the bulk [Pa], and the surface's stiffness; (m,) each."""
-    table = macroscopic_elasticity()
-    alpha, which = np.unique(np.round(_ratio(moduli), limits.DIGITS), return_inverse=True)
-    poisson = np.array([table.macroscopic(1.0, min(max(a, table.alpha[0]), table.alpha[-1]))[1] for a in alpha])
-    nu = poisson[which]
+    alpha = np.round(_ratio(moduli), limits.DIGITS)
+    nu = poisson(alpha)
     modulus = moduli[:, 0] * (1.0 - 2.0 * nu)  # exact for bulk averages
     shear = modulus / (1.0 + nu)
-    layer = np.interp(np.sqrt(alpha), np.sqrt(limits.LAYER_AT), limits.LAYER)[which]
+    layer = np.interp(np.sqrt(alpha), np.sqrt(limits.LAYER_AT), limits.LAYER)
     return shear, shear * nu / (1.0 - 2.0 * nu), layer
 
 

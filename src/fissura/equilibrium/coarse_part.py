@@ -61,13 +61,10 @@ def smooth_moduli(elastic: FloatArray) -> FloatArray:
     >>> smooth_moduli(np.array([[60e9, 17.4e9, 17.4e9]])).round(-8)
     array([[5.0e+10, 2.5e+10, 2.5e+10]])
     """
-    out, alpha = elastic.copy(), elastic[:, 1] / elastic[:, 0]
-    smooth = limits.SMOOTH_ALPHA
-    for given in np.unique(alpha[alpha < smooth]):
-        which = alpha == given
-        factor = _macroscopic(given) / _macroscopic(smooth)
-        out[which] = factor * elastic[which, :1] * np.array([1.0, smooth, smooth])
-    return out
+    alpha, smooth = elastic[:, 1] / elastic[:, 0], limits.SMOOTH_ALPHA
+    factor = (1.0 - 2.0 * poisson(alpha)) / (1.0 - 2.0 * poisson(np.array([smooth])))
+    changed = factor[:, None] * elastic[:, :1] * np.array([1.0, smooth, smooth])
+    return np.where((alpha < smooth)[:, None], changed, elastic)
 
 
 def bending_stiffness(elastic: FloatArray, contacts: Contacts, chosen: IntArray) -> FloatArray:
@@ -85,14 +82,17 @@ def bending_stiffness(elastic: FloatArray, contacts: Contacts, chosen: IntArray)
     chosen : (c,) array
         Which of them are meant.
     """
-    alpha = elastic[:, 1] / elastic[:, 0]
-    kinds, which = np.unique(alpha, return_inverse=True)
-    modulus = elastic[:, 0] * np.array([_macroscopic(kind) for kind in kinds])[which]
+    modulus = elastic[:, 0] * (1.0 - 2.0 * poisson(elastic[:, 1] / elastic[:, 0]))
     out: FloatArray = limits.BENDING * modulus * contacts.area[chosen] ** 2 / (12.0 * contacts.length[chosen])
     return out
 
 
-def _macroscopic(alpha: float) -> float:
-    """Macroscopic modulus over that of the contacts, at the nearest end of the table outside it (theory section 2)."""
+def poisson(alpha: FloatArray) -> FloatArray:
+    """Poisson's ratio of the bulk for ratios of tangential to normal stiffness (theory section 2); (m,) -> (m,).
+
+    Outside its table it is that at the nearest end. The modulus of the bulk is ``E (1 - 2 nu)``.
+    """
     table = macroscopic_elasticity()
-    return table.macroscopic(1.0, min(max(alpha, table.alpha[0]), table.alpha[-1]))[0]
+    kinds, which = np.unique(alpha, return_inverse=True)
+    each = [table.macroscopic(1.0, min(max(kind, table.alpha[0]), table.alpha[-1]))[1] for kind in kinds]
+    return np.array(each)[which]
