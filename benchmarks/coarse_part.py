@@ -11,11 +11,8 @@ from statistics import median
 from typing import Any
 from unittest import mock
 
-import numpy as np
-
-from common import Check, Report, changed, example, main, options, say, table
-from fissura import Case, Simulation
-from fissura.arrays import FloatArray
+from common import Check, Report, Run, changed, difference, example, main, measured, options, say, table
+from fissura import Case
 from fissura.equilibrium import limits
 
 #: Largest error of the load [%] and seeds of each beam; the last opening that is compared [m].
@@ -48,22 +45,10 @@ VARIANTS = (
 )
 
 
-def curve(case: Case, *, full: bool = False) -> tuple[FloatArray, dict[str, float]]:
-    """Gauge and load over the run, and what it took."""
-    simulation, effort, points = Simulation(case, full=full), 0.0, [(0.0, 0.0)]
-    refinements = 0
-    for step in simulation.steps():
-        points.append((step.gauge, step.load))
-        effort += step.linear_iterations * len(simulation.tessellation)
-        refinements += step.refinements
-    return np.array(points), {"effort": effort, "bodies": len(simulation.tessellation), "refinements": refinements}
-
-
-def difference(curve: FloatArray, full: FloatArray) -> float:
-    """Largest difference of the load over its peak at full resolution [%]."""
-    way = np.unique(np.concatenate([curve[:, 0], full[:, 0]]))
-    way = way[way <= min(curve[-1, 0], full[-1, 0])]
-    return float(100.0 * np.abs(np.interp(way, *curve.T) - np.interp(way, *full.T)).max() / full[:, 1].max())
+def effort(run: Run) -> float:
+    """Sum of bodies times linear iterations."""
+    curve = run.result.curve
+    return float((curve["bodies"] * curve["linear_iterations"]).sum())
 
 
 def of_variant(case: Case, variant: Variant) -> Case:
@@ -74,34 +59,41 @@ def of_variant(case: Case, variant: Variant) -> Case:
     return changed(case, adaptivity={"coarse_part": kind, "r_f": r_f, "r_c": r_f + 2.0 * l_c})
 
 
-def produce(found: argparse.Namespace) -> Report:
+def rows_of(found: argparse.Namespace) -> list[dict[str, Any]]:
+    """One row for each specimen and coarse part."""
     rows: list[dict[str, Any]] = []
     for name in found.cases:
         for seed in SEEDS[name]:
             case = changed(example(name, seed), control={"target": TARGET[name]})
-            full, of_full = curve(case, full=True)
+            full = measured(case, full=True)
             say(f"{name}, seed {seed}: full resolution")
             for variant in VARIANTS:
                 alpha = limits.SMOOTH_ALPHA if variant.alpha is None else variant.alpha
                 with mock.patch.multiple(limits, SMOOTH_ALPHA=alpha, BENDING=variant.bending):
-                    adaptive, found_there = curve(of_variant(case, variant))
-                row = {"case": name, "seed": seed, "variant": variant.name, "radius": variant.radius} | found_there
-                row |= {"error": difference(adaptive, full), "saved": of_full["effort"] / found_there["effort"]}
+                    adaptive = measured(of_variant(case, variant))
+                row = {"case": name, "seed": seed, "variant": variant.name, "radius": variant.radius}
+                row |= difference(adaptive, full) | {"saved": effort(full) / effort(adaptive)}
+                row["error"] = abs(row["load_difference"])
                 rows.append(row)
                 say(f"  {variant.name}, r_f {variant.radius:g} l_f: {row['error']:.2f} %, {row['saved']:.1f}")
+    return rows
+
+
+def produce(found: argparse.Namespace) -> Report:
+    rows = rows_of(found)
     checks = []
     lines = []
     for name in found.cases:
         for variant in VARIANTS:
             mine = [r for r in rows if (r["case"], r["variant"], r["radius"]) == (name, variant.name, variant.radius)]
             errors = [row["error"] for row in mine]
-            middle = {key: median(row[key] for row in mine) for key in ("bodies", "refinements", "saved")}
+            middle = {key: median(row[key] for row in mine) for key in ("bodies_end", "refinements", "saved")}
             lines.append(
                 [
                     f"`{name}`, {variant.name}",
                     f"{variant.radius:g} l_f",
                     f"{median(errors):.2f} ({max(errors):.2f})",
-                    f"{middle['bodies']:.0f}",
+                    f"{middle['bodies_end']:.0f}",
                     f"{middle['refinements']:.0f}",
                     f"{middle['saved']:.1f}",
                 ]

@@ -142,7 +142,7 @@ def ran(beam: Beam, seed: int, keep: Path, *, full: bool) -> Path:
     return folder
 
 
-def common(adaptive: Path, full: Path) -> dict[str, Any]:
+def as_far_as_both(adaptive: Path, full: Path) -> dict[str, Any]:
     """Times of both runs as far as both go; a run at full resolution may have been ended by its limit."""
     curves = [read_curve(folder) for folder in (adaptive, full)]
     end = min(float(curve["gauge_m"][-1]) for curve in curves)
@@ -183,7 +183,7 @@ def row_of(beam: Beam, seed: int, keep: Path) -> dict[str, Any]:
             row |= {"bound": 100.0 * told["load_error_bound"], "refinements": told["refinements"]}
     row |= {"whole_cpu_s": row["adaptive_cpu_s"], "whole_wall_s": row["adaptive_wall_s"]}
     if beam.full:
-        row |= common(*folders.values())
+        row |= as_far_as_both(*folders.values())
         row["error"] = 100.0 * compare(folders["adaptive"], folders["full"]).max_load_difference
         row["saved"] = row["full_cpu_s"] / row["adaptive_cpu_s"]
         row["saved_wall"] = row["full_wall_s"] / row["adaptive_wall_s"]
